@@ -23,18 +23,23 @@ from pydantic import TypeAdapter
 from drivora_service.scenario import model
 
 _LATER_FIELDS = ("stuck_after",)
+_LATER_FIELDS_OF_EGOS = ("reference_path",)
 
 
 def canonical_json(scenario: model.Scenario) -> str:
     """Writes a scenario as canonical JSON, in the network's plane, metres and radians.
 
-    Values of ``_LATER_FIELDS`` are omitted if they are ``None``, so that scenarios keep the
+    Values of later fields are omitted if they are ``None`` or empty, so that scenarios keep the
     identity that they had before these fields existed.
     """
     content = _plain(scenario)
     for name in _LATER_FIELDS:
         if content[name] is None:
             del content[name]
+    for ego in content["ego_vehicles"]:
+        for name in _LATER_FIELDS_OF_EGOS:
+            if not ego[name]:
+                del ego[name]
     return json.dumps(
         content,
         sort_keys=True,
