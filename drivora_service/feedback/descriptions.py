@@ -7,6 +7,7 @@ from drivora_service.oracles.descriptions import SHARE, Better, MeasureDescripti
 _OWN = "Drivora"
 _AVFUZZER = "AV-Fuzzer (Li et al. 2020)"
 _BEHAVEXPLOR = "BehAVExplor (Cheng et al. 2023)"
+_DECICTOR = "Decictor (Cheng et al. 2025)"
 _DOPPELTEST = "DoppelTest (Huai et al. 2023)"
 _SAMOTA = "SAMOTA (Ul Haq, Shin and Briand 2022)"
 
@@ -144,6 +145,13 @@ OBJECTIVES = (
         "The least time before running a red light, mapped to a share; zero where the ego ran one.",
         threshold="3 s give one half",
         source=_SAMOTA,
+    ),
+    _objective(
+        "decictor",
+        "consistency",
+        "The negative difference of path and motion from those of the reference; at most zero.",
+        unit="m",
+        source=_DECICTOR,
     ),
 )
 """The objectives, feedback by feedback."""

@@ -404,7 +404,9 @@ ORACLES = (
             _threshold("overlap", SHARE, "Paths that share no more are different.", _DECICTOR),
             _threshold("piece", "m", "Paths are compared in pieces of this length.", _DECICTOR),
             _threshold("half_width", "m", "A piece this near to the other path is shared.", _OWN),
-            _threshold("ends", "m", "Paths that begin or end further apart are not compared.", _OWN),
+            _threshold(
+                "ends", "m", "Paths that begin or end further apart are not compared.", _OWN
+            ),
         ),
         source=_DECICTOR,
     ),

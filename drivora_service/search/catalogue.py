@@ -15,11 +15,19 @@ from drivora_service.search.selection import RANDOM_SELECTION, ROULETTE, TOURNAM
 from drivora_service.search.tester import Tester, TesterContext
 from drivora_service.search.testers.avfuzzer.search import AVFUZZER
 from drivora_service.search.testers.behavexplor.tester import BEHAVEXPLOR
+from drivora_service.search.testers.decictor.search import DECICTOR
 from drivora_service.search.testers.doppeltest.tester import DOPPELTEST
 from drivora_service.search.testers.random_search import RANDOM
 from drivora_service.search.testers.samota.tester import SAMOTA
 
-BUILT_IN: tuple[TesterPlugin[Any], ...] = (RANDOM, AVFUZZER, BEHAVEXPLOR, DOPPELTEST, SAMOTA)
+BUILT_IN: tuple[TesterPlugin[Any], ...] = (
+    RANDOM,
+    AVFUZZER,
+    BEHAVEXPLOR,
+    DOPPELTEST,
+    SAMOTA,
+    DECICTOR,
+)
 BUILT_IN_MUTATIONS = (GAUSSIAN, REDRAW_BLOCK, REDRAW_GENE, REDRAW_SLICE)
 BUILT_IN_SELECTIONS = (RANDOM_SELECTION, ROULETTE, TOURNAMENT, TRUNCATION)
 

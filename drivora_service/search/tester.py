@@ -12,6 +12,7 @@ import numpy as np
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.oracles.verdict import Verdict
+from drivora_service.runs.candidate import Reference
 from drivora_service.search.genes import GeneSpace
 
 
@@ -35,12 +36,15 @@ class Proposal:
         origin: How it was made, in a word or two: ``initial``, ``mutation``, ``crossover`` ...
         generation: Number of its generation, cycle or round, from 0.
         parents: Numbers of the evaluations from which it was made.
+        reference: Paths with which those of its egos are compared; ``None`` for none. It is not
+            stored, as a tester proposes the same again.
     """
 
     values: FloatArray
     origin: str
     generation: int = 0
     parents: tuple[int, ...] = ()
+    reference: Reference | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -171,7 +171,7 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
             for npc in scenario.npc_vehicles
             if npc.behavior is NpcBehavior.SUMO
         ),
-        obstacles=tuple(_plan_obstacle(item, network) for item in scenario.npc_obstacles),
+        obstacles=tuple(plan_obstacle(item, network) for item in scenario.npc_obstacles),
         max_sim_time=latest if scenario.max_sim_time is None else scenario.max_sim_time,
         stuck_after=STUCK_AFTER if scenario.stuck_after is None else scenario.stuck_after,
     )
@@ -387,7 +387,8 @@ def _front_on(lane: Lane, point: FloatArray, length: float) -> float:
     return min(max(s + 0.5 * length, length), lane.length)
 
 
-def _plan_obstacle(obstacle: NpcObstacle, network: RoadNetwork) -> ObstaclePlan:
+def plan_obstacle(obstacle: NpcObstacle, network: RoadNetwork) -> ObstaclePlan:
+    """Prepares a static object."""
     model = actor_model(ActorKind.OBSTACLE, obstacle.model)
     place = obstacle.location
     yaw = place.yaw

@@ -28,6 +28,7 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "behavexplor": (MOTORWAY, {}),
     "samota": (MOTORWAY, {"initial": 12}),
     "doppeltest": (JUNCTION, {}),
+    "decictor": (MOTORWAY, {}),
 }
 """Campaign and parameters by method, such that each of its steps is made within the budget."""
 
@@ -38,6 +39,9 @@ def campaign_of(method: str, folder: Path) -> Path:
     document = yaml.safe_load((shipped_campaigns() / f"{name}.yaml").read_text())
     document["scenario"]["file"] = str(shipped_campaigns() / document["scenario"]["file"])
     document["tester"] = {"name": method, "parameters": parameters}
+    if method == "decictor":
+        document["space"] |= {"optional": True, "behavior": "replay"}
+        document["oracles"] = ["collision", "non_optimal_decision"]
     document["budget"] = {"simulations": SIMULATIONS}
     path = folder / f"{method}.yaml"
     path.write_text(yaml.safe_dump(document))

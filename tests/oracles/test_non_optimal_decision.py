@@ -49,7 +49,8 @@ REFERENCE = np.array([(0.0, 0.0, 0.0, 0.0, 10.0, 0.0), (20.0, 200.0, 0.0, 0.0, 1
 def detour(begin: float, end: float, aside: float = 3.2) -> Floats:
     """Metres beside the lane's middle at each step: on the next lane between two places."""
     out = np.clip((X - begin) / 20.0, 0.0, 1.0) - np.clip((X - end) / 20.0, 0.0, 1.0)
-    return aside * 0.5 * (1.0 - np.cos(np.pi * out))
+    beside: Floats = aside * 0.5 * (1.0 - np.cos(np.pi * out))
+    return beside
 
 
 def ego_on(y: Any, **fields: Any) -> SyntheticEgo:
@@ -83,8 +84,9 @@ def test_a_long_detour_violates_where_it_begins() -> None:
     # Of 100 pieces 45 are shared: half of each ramp of 20 m, and all beyond.
     assert verdict.evidence["overlap"] == pytest.approx(55 / 145, abs=0.02)
     assert verdict.evidence["path_difference"] == pytest.approx(3.2)
+    assert verdict.step is not None
     assert verdict.step == int(np.argmax(y > 1.6))
-    assert verdict.location == (X[verdict.step], pytest.approx(y[verdict.step]))
+    assert list(verdict.location or ()) == pytest.approx([X[verdict.step], y[verdict.step]])
 
 
 def test_a_short_detour_passes() -> None:
