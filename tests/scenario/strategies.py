@@ -59,7 +59,7 @@ def _paths(draw: st.DrawFn) -> list[dict[str, float]]:
     return [{"time": moment, **draw(pose)} for moment in moments]
 
 
-reference_paths = st.just([]) | _paths()
+reference_paths: st.SearchStrategy[list[dict[str, float]]] = st.just([]) | _paths()
 
 
 def routes(fewest: int) -> st.SearchStrategy[list[dict[str, Any]]]:
