@@ -190,6 +190,7 @@ class Engine:
             candidate=CandidateSource(
                 space=waiting.turn.part.candidates.source,
                 values=tuple(waiting.proposal.values.tolist()),
+                reference=waiting.proposal.reference,
             ),
         )
 
@@ -309,7 +310,7 @@ class Engine:
         elif stored.asked_sha256 not in ("", waiting.asked_sha256):
             problem = "other values"
         elif not stored.asked_sha256 or waiting.number % _COMPARED_EVERY == 0:
-            candidate = waiting.turn.part.candidates.prepare(new.values)
+            candidate = waiting.turn.part.candidates.prepare(new.values, new.reference)
             if candidate.values != tuple(old.values.tolist()):
                 problem = "other values"
             elif _sha256(candidate.document.encode()) != stored.document_sha256:

@@ -15,6 +15,9 @@ from drivora_service.campaigns.reading import ValidCampaign
 from drivora_service.campaigns.shuffling import ShuffledFeedback
 from drivora_service.campaigns.turns import SearchPart
 from drivora_service.errors import InvalidDocument, NetworkError, Problem, SearchError
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.planned_motion import PlannedMotion
+from drivora_service.scenario.model import NpcBehavior, Scenario
 from drivora_service.search.catalogue import components_named
 from drivora_service.search.space.candidates import ScenarioCandidates
 from drivora_service.search.space.scenario_space import ScenarioSpace
@@ -38,6 +41,15 @@ def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: 
         InvalidDocument: The gene space cannot be built, or the tester cannot search it.
     """
     campaign = valid.campaign
+    plugin = catalogues.testers.plugin(campaign.tester.name)
+    if plugin.compares_paths and campaign.space.behavior is NpcBehavior.SUMO:
+        message = (
+            f"found 'sumo'; tester {plugin.name!r} keeps actors out of the way of the egos, and "
+            "where SUMO drives them is not known before: use 'replay' or 'reactive'"
+        )
+        raise InvalidDocument(
+            (Problem(pointer="/space/behavior", code="unplanned_motion", message=message),)
+        )
     agents = frozenset(catalogues.agents.names())
     parts = []
     for place, seed in enumerate(valid.seeds):
@@ -54,7 +66,10 @@ def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: 
             SearchPart(
                 tester=tester,
                 candidates=ScenarioCandidates(
-                    space=space, networks=catalogues.networks, agents=agents
+                    space=space,
+                    networks=catalogues.networks,
+                    agents=agents,
+                    motions=_planned_motions,
                 ),
                 kind_of=FailureKinds(seed.network),
             )
@@ -62,7 +77,7 @@ def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: 
     return Search(
         run_prefix=run_prefix,
         parts=tuple(parts),
-        feedback=catalogues.testers.plugin(campaign.tester.name).feedback,
+        feedback=plugin.feedback,
         oracles=frozenset(campaign.oracles),
         budget=campaign.budget,
         lookahead=campaign.lookahead,
@@ -99,6 +114,15 @@ def _generator(seed: int, stream: int, place: int) -> np.random.Generator:
     # That of the first seed scenario is the same with and without others.
     key = (stream, place) if place else (stream,)
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))
+
+
+def _planned_motions(
+    scenario: Scenario, network: RoadNetwork, until: float
+) -> tuple[PlannedMotion, ...]:
+    # Imported here: only few candidates are decoded outside workers, and it loads the simulation.
+    from drivora_service.simulation.free_motion import planned_motions
+
+    return planned_motions(scenario, network, until)
 
 
 def _refusal(pointer: str, code: str, named: str, error: Exception) -> InvalidDocument:

@@ -30,6 +30,7 @@ from drivora_service.errors import (
 )
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.oracles.catalogue import OracleCatalogue
+from drivora_service.oracles.non_optimal_decision import NonOptimalDecision
 from drivora_service.parameters import parameter_problems
 from drivora_service.scenario.entities import AgentDocument
 from drivora_service.scenario.model import Scenario
@@ -44,6 +45,9 @@ from drivora_service.search.catalogue import (
 from drivora_service.search.space.presets import PRESETS
 
 M = TypeVar("M", bound=BaseModel)
+
+_PATH_ORACLE = NonOptimalDecision().name
+"""The oracle that judges only egos with a reference path."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -185,6 +189,7 @@ def read_campaign(
                 for seed, one in zip(seeds, found, strict=True)
                 for note in one.notes
             ),
+            *_oracle_notes(campaign, seeds, catalogues.testers),
         ),
         versions=_versions(campaign, [seed.scenario for seed in seeds], catalogues),
     )
@@ -202,6 +207,28 @@ def _space_notes(space: SpaceDocument) -> Iterator[str]:
     ]
     note = f"the space is the preset {space.preset.value!r}: {preset.description}"
     yield f"{note}; changed in the file: {', '.join(changed)}" if changed else note
+
+
+def _oracle_notes(
+    campaign: Campaign, seeds: Sequence[SeedScenario], testers: TesterCatalogue
+) -> Iterator[str]:
+    """Yields notes on oracles that the tester needs, or that have nothing to judge."""
+    tester = testers.plugin(campaign.tester.name)
+    if tester.oracle and tester.oracle not in campaign.oracles:
+        yield (
+            f"tester {tester.name!r} searches violations of the oracle {tester.oracle!r}, which do "
+            "not count here: name it in `oracles`"
+        )
+    egos = (ego for seed in seeds for ego in seed.scenario.ego_vehicles)
+    if (
+        _PATH_ORACLE in campaign.oracles
+        and not tester.compares_paths
+        and not any(ego.reference_path for ego in egos)
+    ):
+        yield (
+            f"the oracle {_PATH_ORACLE!r} judges nothing here: no ego has a `reference_path`, and "
+            f"tester {tester.name!r} gives them none"
+        )
 
 
 def _versions(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from drivora_service.errors import SearchError
 from drivora_service.feedback.avfuzzer import AVFUZZER
 from drivora_service.feedback.behavexplor import BEHAVEXPLOR
+from drivora_service.feedback.decictor import DECICTOR
 from drivora_service.feedback.doppeltest import DOPPELTEST
 from drivora_service.feedback.drivefuzz import DRIVEFUZZ
 from drivora_service.feedback.general import GENERAL
@@ -13,7 +14,7 @@ from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.feedback.samota import SAMOTA
 from drivora_service.plugin_table import PluginTable
 
-BUILT_IN = (GENERAL, AVFUZZER, BEHAVEXPLOR, DOPPELTEST, SAMOTA, DRIVEFUZZ)
+BUILT_IN = (GENERAL, AVFUZZER, BEHAVEXPLOR, DOPPELTEST, SAMOTA, DRIVEFUZZ, DECICTOR)
 
 
 class FeedbackCatalogue:

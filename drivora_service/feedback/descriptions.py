@@ -7,6 +7,7 @@ from drivora_service.oracles.descriptions import SHARE, Better, MeasureDescripti
 _OWN = "Drivora"
 _AVFUZZER = "AV-Fuzzer (Li et al. 2020)"
 _BEHAVEXPLOR = "BehAVExplor (Cheng et al. 2023)"
+_DECICTOR = "Decictor (Cheng et al. 2025)"
 _DOPPELTEST = "DoppelTest (Huai et al. 2023)"
 _DRIVEFUZZ = "DriveFuzz (Kim et al. 2022)"
 _SAMOTA = "SAMOTA (Ul Haq, Shin and Briand 2022)"
@@ -154,6 +155,13 @@ OBJECTIVES = (
         "in metres.",
         threshold="20 frames a second; hard from 5.9 m/s² along and 4.9 m/s² across",
         source=_DRIVEFUZZ,
+    ),
+    _objective(
+        "decictor",
+        "consistency",
+        "The negative difference of path and motion from those of the reference; at most zero.",
+        unit="m",
+        source=_DECICTOR,
     ),
 )
 """The objectives, feedback by feedback."""

@@ -19,15 +19,31 @@ class SpaceSource:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Reference:
+    """The paths with which those of a candidate's egos are compared.
+
+    Other actors of its genes keep out of the area that an ego on its path could use.
+
+    Attributes:
+        paths: For each ego its poses, each (time, x, y, heading, speed, height) in SI units; empty:
+            the paths of the seed scenario.
+    """
+
+    paths: tuple[tuple[tuple[float, ...], ...], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class CandidateSource:
     """Genes, and the space in which they are decoded.
 
     Attributes:
         values: (d,) genes as proposed.
+        reference: Paths that belong to the scenario beside its genes; ``None`` for none.
     """
 
     space: SpaceSource
     values: tuple[float, ...]
+    reference: Reference | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -26,6 +26,7 @@ from drivora_service.scenario import model
 _LATER_FIELDS: Mapping[type, Mapping[str, object]] = MappingProxyType(
     {
         model.Scenario: {"stuck_after": None, "friction_patches": []},
+        model.EgoVehicle: {"reference_path": []},
         model.Waypoint: {"wait": None},
         model.NpcVehicle: {
             "at_end": model.RouteEnd.LEAVE,

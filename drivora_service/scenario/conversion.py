@@ -148,6 +148,19 @@ def _ego(ego: entities.EgoDocument, frame: FrameTransform) -> model.EgoVehicle:
         start_time=ego.start_time,
         initial_speed=ego.initial_speed,
         dynamics=ego.dynamics,
+        reference_path=tuple(_pose(pose, frame) for pose in ego.reference_path),
+    )
+
+
+def _pose(pose: entities.ReferencePoseDocument, frame: FrameTransform) -> model.ReferencePose:
+    x, y = frame.to_network(pose.x, pose.y)
+    return model.ReferencePose(
+        time=pose.time,
+        x=x,
+        y=y,
+        yaw=frame.yaw_to_network(pose.yaw),
+        speed=pose.speed,
+        z=pose.z,
     )
 
 

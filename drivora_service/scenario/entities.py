@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+from itertools import pairwise
 from typing import Annotated, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, model_validator
@@ -104,6 +105,36 @@ def is_agent_name(name: str) -> bool:
     return re.fullmatch(fields.NAME_PATTERN.strip("^$"), name) is not None
 
 
+class ReferencePoseDocument(EntityDocument):
+    """The pose of an ego at a time, in a run that later runs are compared with."""
+
+    time: fields.SimulationTime = Field(description="Simulation time.")
+    x: fields.Coordinate = Field(description="East, of the box centre.")
+    y: fields.Coordinate = Field(description="North (frame sumo) or south (frame carla).")
+    z: fields.Elevation | None = Field(None, description="Height. Without it 0.")
+    yaw: fields.Yaw = Field(
+        description="Heading: counter-clockwise from east (frame sumo), clockwise (frame carla)."
+    )
+    speed: fields.VehicleSpeed = Field(description="Speed over ground.")
+
+
+def _in_order_of_time(
+    poses: tuple[ReferencePoseDocument, ...],
+) -> tuple[ReferencePoseDocument, ...]:
+    if len(poses) == 1:
+        raise PydanticCustomError(
+            "one_pose", "found one pose; a path has at least two, and no path is an empty list"
+        )
+    for index, (before, pose) in enumerate(pairwise(poses), start=1):
+        if pose.time <= before.time:
+            raise PydanticCustomError(
+                "time_order",
+                "found pose {index} at {time} s, after one at {before} s; times must ascend",
+                {"index": index, "time": pose.time, "before": before.time},
+            )
+    return poses
+
+
 class EgoDocument(EntityDocument):
     """A vehicle under the control of an ADS."""
 
@@ -129,6 +160,16 @@ class EgoDocument(EntityDocument):
         description="Instead of `agent`: the name of an agent, with or without `configs/` in "
         "front and `.yaml`, `.yml` or `.json` behind. It is looked up in the catalogue and never "
         "opened.",
+    )
+    reference_path: Annotated[
+        tuple[ReferencePoseDocument, ...],
+        Field(max_length=fields.MAX_REFERENCE_POSES),
+        AfterValidator(_in_order_of_time),
+    ] = Field(
+        (),
+        description="The path of an ego in another scenario, in ascending time, at least two "
+        "poses; between them it is interpolated. The run does not follow it; the oracle "
+        "`non_optimal_decision` compares the ego's path with it.",
     )
 
     @model_validator(mode="after")

@@ -12,6 +12,7 @@ from drivora_service.scenario.model import (
     LightTimes,
     NpcObstacle,
     NpcVehicle,
+    ReferencePose,
     Region,
     Scenario,
     Waypoint,
@@ -120,7 +121,21 @@ def _ego(ego: EgoVehicle) -> dict[str, Any]:
         "initial_speed": ego.initial_speed,
         "dynamics": ego.dynamics,
         "agent": {"name": ego.agent.name, "parameters": dict(ego.agent.parameters)},
+        "reference_path": [_pose(pose) for pose in ego.reference_path],
     }
+
+
+def _pose(pose: ReferencePose) -> dict[str, float]:
+    content = {
+        "time": pose.time,
+        "x": pose.x,
+        "y": pose.y,
+        "yaw": _yaw(pose.yaw),
+        "speed": pose.speed,
+    }
+    if pose.z is not None:
+        content["z"] = pose.z
+    return content
 
 
 def _npc(npc: NpcVehicle) -> dict[str, Any]:

@@ -75,6 +75,27 @@ class AgentChoice(Shape):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ReferencePose:
+    """The pose of an ego at a time of the run that later runs are compared with.
+
+    Attributes:
+        time: Simulation time, seconds.
+        x: Metres east, of the box centre.
+        y: Metres north.
+        yaw: Heading, radians.
+        speed: m/s over ground.
+        z: Height, metres; ``None`` on flat networks.
+    """
+
+    time: float
+    x: float
+    y: float
+    yaw: float
+    speed: float
+    z: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EgoVehicle:
     """A vehicle under the control of an ADS.
 
@@ -82,6 +103,8 @@ class EgoVehicle:
         route: At least two waypoints: start and destination; those between are passed in order.
         start_time: Seconds; before it the ego stands still at its start.
         initial_speed: m/s at ``start_time``.
+        reference_path: What an ADS drove in another scenario, in ascending time; empty if its
+            path is not compared. The simulation does not read it.
     """
 
     id: str
@@ -91,6 +114,7 @@ class EgoVehicle:
     start_time: float = 0.0
     initial_speed: float = 0.0
     dynamics: VehicleDynamics = VehicleDynamics.KINEMATIC
+    reference_path: tuple[ReferencePose, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

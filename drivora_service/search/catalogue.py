@@ -15,6 +15,7 @@ from drivora_service.search.selection import RANDOM_SELECTION, ROULETTE, TOURNAM
 from drivora_service.search.tester import Tester, TesterContext
 from drivora_service.search.testers.avfuzzer.search import AVFUZZER
 from drivora_service.search.testers.behavexplor.tester import BEHAVEXPLOR
+from drivora_service.search.testers.decictor.search import DECICTOR
 from drivora_service.search.testers.doppeltest.tester import DOPPELTEST
 from drivora_service.search.testers.drivefuzz.tester import DRIVEFUZZ
 from drivora_service.search.testers.random_search import RANDOM
@@ -27,6 +28,7 @@ BUILT_IN: tuple[TesterPlugin[Any], ...] = (
     DOPPELTEST,
     SAMOTA,
     DRIVEFUZZ,
+    DECICTOR,
 )
 BUILT_IN_MUTATIONS = (GAUSSIAN, REDRAW_BLOCK, REDRAW_GENE, REDRAW_SLICE)
 BUILT_IN_SELECTIONS = (RANDOM_SELECTION, ROULETTE, TOURNAMENT, TRUNCATION)

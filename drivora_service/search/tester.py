@@ -12,6 +12,7 @@ import numpy as np
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.oracles.verdict import Verdict
+from drivora_service.runs.candidate import Reference
 from drivora_service.search.genes import Block, GeneSpace
 
 
@@ -37,6 +38,8 @@ class Proposal:
         parents: Numbers of the evaluations from which it was made.
         redrawn: Number of mutants that were drawn for it before, and drawn again since they could
             not have changed the run of any ego.
+        reference: Paths with which those of its egos are compared; ``None`` for none. It is not
+            stored, as a tester proposes the same again.
     """
 
     values: FloatArray
@@ -44,6 +47,7 @@ class Proposal:
     generation: int = 0
     parents: tuple[int, ...] = ()
     redrawn: int = 0
+    reference: Reference | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

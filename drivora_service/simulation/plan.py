@@ -198,7 +198,7 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
     weather = weather_effects(scenario.weather)
     egos = tuple(_plan_ego(ego, network) for ego in scenario.ego_vehicles)
     vehicles = [npc for npc in scenario.npc_vehicles if npc.behavior is not NpcBehavior.SUMO]
-    patches = tuple(_plan_patch(patch, network) for patch in scenario.friction_patches)
+    patches = tuple(plan_patch(patch, network) for patch in scenario.friction_patches)
     followers = [plan_npc(npc, network, weather.friction, patches) for npc in vehicles]
     followers += [plan_walker(walker, network) for walker in scenario.npc_walkers]
     programs = run_programs(
@@ -217,7 +217,7 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
             for npc in scenario.npc_vehicles
             if npc.behavior is NpcBehavior.SUMO
         ),
-        obstacles=tuple(_plan_obstacle(item, network) for item in scenario.npc_obstacles),
+        obstacles=tuple(plan_obstacle(item, network) for item in scenario.npc_obstacles),
         patches=patches,
         max_sim_time=latest if scenario.max_sim_time is None else scenario.max_sim_time,
         stuck_after=STUCK_AFTER if scenario.stuck_after is None else scenario.stuck_after,
@@ -428,7 +428,8 @@ def _on_patches(
     return slower_on(path, frictions, friction, braking)
 
 
-def _plan_patch(patch: FrictionPatch, network: RoadNetwork) -> PatchPlan:
+def plan_patch(patch: FrictionPatch, network: RoadNetwork) -> PatchPlan:
+    """Prepares a slippery patch."""
     yaw = patch_yaw(patch, network)
     place = patch.location
     return PatchPlan(
@@ -501,7 +502,8 @@ def _front_on(lane: Lane, point: FloatArray, length: float) -> float:
     return min(max(s + 0.5 * length, length), lane.length)
 
 
-def _plan_obstacle(obstacle: NpcObstacle, network: RoadNetwork) -> ObstaclePlan:
+def plan_obstacle(obstacle: NpcObstacle, network: RoadNetwork) -> ObstaclePlan:
+    """Prepares a static object."""
     model = actor_model(ActorKind.OBSTACLE, obstacle.model)
     place = obstacle.location
     yaw = place.yaw

@@ -22,10 +22,12 @@ from drivora_service.observations.trace import (
     EgoRoute,
     LogEvent,
     PlannedPath,
+    PoseCol,
     TerminalEvent,
     Trace,
 )
 from drivora_service.scenario.canonical import scenario_sha256
+from drivora_service.scenario.model import EgoVehicle
 from drivora_service.simulation.plan import EpisodePlan
 from drivora_service.simulation.world import World
 
@@ -144,6 +146,7 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
                 key=lambda path: (path.step, path.ego),
             )
         ),
+        references=_references(plan.scenario.ego_vehicles),
         privileged=record.privileged,
         max_sim_time=plan.max_sim_time,
         meta={
@@ -152,6 +155,22 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
             "perception_range": plan.weather.perception_range,
             **({PATCHES_KEY: [p.recorded() for p in plan.patches]} if plan.patches else {}),
         },
+    )
+
+
+def _references(egos: Sequence[EgoVehicle]) -> tuple[FloatArray, ...]:
+    """Returns the reference paths of the egos; nothing if none has one."""
+    if not any(ego.reference_path for ego in egos):
+        return ()
+    return tuple(
+        np.array(
+            [
+                (pose.time, pose.x, pose.y, pose.yaw, pose.speed, pose.z or 0.0)
+                for pose in ego.reference_path
+            ],
+            dtype=np.float64,
+        ).reshape(-1, len(PoseCol))
+        for ego in egos
     )
 
 

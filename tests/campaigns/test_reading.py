@@ -396,3 +396,35 @@ def test_the_networks_of_several_seed_scenarios_are_named_together(
     valid = read_campaign(content, catalogues)
     assert valid.town == "tee-town, old-town"
     assert valid.network_sha256 != alone
+
+
+def test_oracles_that_a_tester_needs_or_that_have_nothing_to_judge_are_told_of(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["oracles"] = ["collision", "non_optimal_decision"]
+    (note,) = read_campaign(content, catalogues).notes
+    assert "judges nothing here" in note
+    content["tester"] = {"name": "decictor"}
+    assert read_campaign(content, catalogues).notes == ()
+    content["oracles"] = ["collision"]
+    (note,) = read_campaign(content, catalogues).notes
+    assert "name it in `oracles`" in note
+    content["tester"] = {"name": "random"}
+    content["oracles"] = ["non_optimal_decision"]
+    (ego,) = content["scenario"]["ego_vehicles"]
+    ego["reference_path"] = [
+        {"time": time, "x": 10.0 * time, "y": 0.0, "yaw": 0.0, "speed": 10.0} for time in (0.0, 9.0)
+    ]
+    assert read_campaign(content, catalogues).notes == ()
+
+
+def test_paths_cannot_be_kept_clear_of_vehicles_that_sumo_drives(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["tester"] = {"name": "decictor"}
+    content["space"] |= {"optional": True, "behavior": "sumo"}
+    with pytest.raises(InvalidDocument) as refused:
+        prepare_search(read_campaign(content, catalogues), catalogues, run_prefix="x")
+    (problem,) = refused.value.problems
+    assert problem.pointer == "/space/behavior"
+    assert "'replay' or 'reactive'" in problem.message

@@ -30,6 +30,7 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "doppeltest": (JUNCTION, {}),
     # Several seeds within the budget.
     "drivefuzz": (MOTORWAY, {"cycles": 4}),
+    "decictor": (MOTORWAY, {}),
 }
 """Campaign and parameters by method, such that each of its steps is made within the budget."""
 
@@ -46,6 +47,9 @@ def campaign_of(method: str, folder: Path) -> Path:
     document["scenario"]["file"] = str(shipped_campaigns() / document["scenario"]["file"])
     document["tester"] = {"name": method, "parameters": parameters}
     document["space"] = {**document["space"], **SPACES.get(method, {})}
+    if method == "decictor":
+        document["space"] |= {"optional": True, "behavior": "replay"}
+        document["oracles"] = ["collision", "non_optimal_decision"]
     document["budget"] = {"simulations": SIMULATIONS}
     path = folder / f"{method}.yaml"
     path.write_text(yaml.safe_dump(document))

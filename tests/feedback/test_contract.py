@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
+import numpy as np
 import pytest
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.avfuzzer import AVFUZZER
 from drivora_service.feedback.behavexplor import BEHAVEXPLOR
 from drivora_service.feedback.catalogue import BUILT_IN
+from drivora_service.feedback.decictor import DECICTOR
 from drivora_service.feedback.doppeltest import DOPPELTEST
 from drivora_service.feedback.drivefuzz import DRIVEFUZZ
 from drivora_service.feedback.general import GENERAL
@@ -20,6 +22,7 @@ from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.feedback.samota import SAMOTA
 from drivora_service.observations.run_view import RunView
+from drivora_service.observations.trace import TerminalEvent, Trace
 from drivora_service.testing.feedback_contract import FeedbackContract
 
 
@@ -35,6 +38,13 @@ class TestBehavexplor(FeedbackContract):
     plugin = BEHAVEXPLOR
 
 
+class TestDecictor(FeedbackContract):
+    plugin = DECICTOR
+
+    def runs(self) -> tuple[Trace, ...]:
+        return (*super().runs(), *map(_compared, super().runs()))
+
+
 class TestDoppelTest(FeedbackContract):
     plugin = DOPPELTEST
 
@@ -45,6 +55,13 @@ class TestSamota(FeedbackContract):
 
 class TestDriveFuzz(FeedbackContract):
     plugin = DRIVEFUZZ
+
+
+def _compared(trace: Trace) -> Trace:
+    """Gives each ego of a run a path to compare with: 100 m east within 10 s."""
+    path = np.array([(0.0, 0.0, 0.0, 0.0, 10.0, 0.0), (10.0, 100.0, 0.0, 0.0, 10.0, 0.0)])
+    arrived = (TerminalEvent.ARRIVED,) * trace.ego_count
+    return replace(trace, references=(path,) * trace.ego_count, ego_ends=arrived)
 
 
 def test_every_built_in_feedback_is_under_contract() -> None:

@@ -87,7 +87,15 @@ def test_every_objective_is_described() -> None:
     catalogue = FeedbackCatalogue()
     names = [
         (name, objective)
-        for name in ("general", "avfuzzer", "behavexplor", "doppeltest", "samota", "drivefuzz")
+        for name in (
+            "general",
+            "avfuzzer",
+            "behavexplor",
+            "doppeltest",
+            "samota",
+            "drivefuzz",
+            "decictor",
+        )
         for objective in catalogue.create(FeedbackChoice(name=name)).objectives
     ]
     assert {name for name, _ in names} == set(catalogue.names())

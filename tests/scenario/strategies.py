@@ -54,6 +54,19 @@ light_times = st.fixed_dictionaries(
 )
 
 
+@st.composite
+def _paths(draw: st.DrawFn) -> list[dict[str, float]]:
+    moments = sorted(draw(st.sets(times, min_size=2, max_size=4)))
+    pose = st.fixed_dictionaries(
+        {"x": coordinates, "y": coordinates, "yaw": angles, "speed": speeds},
+        optional=optional(z=angles),
+    )
+    return [{"time": moment, **draw(pose)} for moment in moments]
+
+
+reference_paths: st.SearchStrategy[list[dict[str, float]]] = st.just([]) | _paths()
+
+
 def routes(
     fewest: int, places: st.SearchStrategy[dict[str, Any]] = waypoints
 ) -> st.SearchStrategy[list[dict[str, Any]]]:
@@ -74,7 +87,9 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
             "model": st.sampled_from(["vehicle.audi.tt", "mkz2017", "lincoln.mkz_2020"]),
             "route": routes(2),
         },
-        optional=optional(start_time=times, initial_speed=speeds, agent=agents),
+        optional=optional(
+            start_time=times, initial_speed=speeds, agent=agents, reference_path=reference_paths
+        ),
     )
     vehicles = st.fixed_dictionaries(
         {"model": st.just("tesla.model3"), "route": routes(1, npc_waypoints)},

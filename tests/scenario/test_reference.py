@@ -16,6 +16,7 @@ SECTIONS = {
     "MapRegionDocument": "map_region",
     "RegionDocument": "region_segment",
     "EgoDocument": "ego_vehicles",
+    "ReferencePoseDocument": "Reference poses",
     "AgentDocument": "agent",
     "NpcVehicleDocument": "npc_vehicles",
     "NpcWalkerDocument": "npc_walkers",

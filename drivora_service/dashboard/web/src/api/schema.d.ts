@@ -2880,6 +2880,12 @@ export interface components {
              */
             model: string;
             /**
+             * Reference Path
+             * @description The path of an ego in another scenario, in ascending time, at least two poses; between them it is interpolated. The run does not follow it; the oracle `non_optimal_decision` compares the ego's path with it.
+             * @default []
+             */
+            reference_path: components["schemas"]["ReferencePoseDocument"][];
+            /**
              * Route
              * @description Start, destination, and the waypoints between them in order.
              */
@@ -5294,6 +5300,43 @@ export interface components {
             checks: components["schemas"]["Check"][];
             /** Ready */
             ready: boolean;
+        };
+        /**
+         * ReferencePoseDocument
+         * @description The pose of an ego at a time, in a run that later runs are compared with.
+         */
+        ReferencePoseDocument: {
+            /**
+             * Speed
+             * @description Speed over ground.
+             */
+            speed: number;
+            /**
+             * Time
+             * @description Simulation time.
+             */
+            time: number;
+            /**
+             * X
+             * @description East, of the box centre.
+             */
+            x: number;
+            /**
+             * Y
+             * @description North (frame sumo) or south (frame carla).
+             */
+            y: number;
+            /**
+             * Yaw
+             * @description Heading: counter-clockwise from east (frame sumo), clockwise (frame carla).
+             */
+            yaw: number;
+            /**
+             * Z
+             * @description Height. Without it 0.
+             * @default null
+             */
+            z: number | null;
         };
         /**
          * RegionDocument
@@ -12818,10 +12861,10 @@ export interface operations {
                      *     drivora_runs{status="simulator_crashed"} 0.0
                      *     drivora_runs{status="timed_out"} 0.0
                      *     drivora_runs{status="infrastructure_failed"} 0.0
-                     *     drivora_runs{status="cancelled"} 4.0
+                     *     drivora_runs{status="cancelled"} 5.0
                      *     # HELP drivora_failed_runs Runs that did not finish, by status and cause
                      *     # TYPE drivora_failed_runs gauge
-                     *     drivora_failed_runs{cause="cancelled",status="cancelled"} 4.0
+                     *     drivora_failed_runs{cause="cancelled",status="cancelled"} 5.0
                      *     # HELP drivora_queue_depth Runs that wait, paused batches included
                      *     # TYPE drivora_queue_depth gauge
                      *     drivora_queue_depth 0.0
