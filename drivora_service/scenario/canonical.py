@@ -22,19 +22,25 @@ from pydantic import TypeAdapter
 
 from drivora_service.scenario import model
 
-_LATER_FIELDS = ("stuck_after",)
+_LATER_FIELDS: Mapping[str, Any] = {"stuck_after": None, "weather_changes": []}
+"""Fields that were added to scenarios, with their defaults."""
+_JOINING_LISTS = ("npc_vehicles", "npc_walkers")
 
 
 def canonical_json(scenario: model.Scenario) -> str:
     """Writes a scenario as canonical JSON, in the network's plane, metres and radians.
 
-    Values of ``_LATER_FIELDS`` are omitted if they are ``None``, so that scenarios keep the
-    identity that they had before these fields existed.
+    Fields that were added later are omitted if they have their defaults, so that scenarios keep
+    the identity that they had before these fields existed.
     """
     content = _plain(scenario)
-    for name in _LATER_FIELDS:
-        if content[name] is None:
+    for name, default in _LATER_FIELDS.items():
+        if content[name] == default:
             del content[name]
+    for name in _JOINING_LISTS:
+        for actor in content[name]:
+            if not actor["joins"]:
+                del actor["joins"]
     return json.dumps(
         content,
         sort_keys=True,

@@ -67,6 +67,7 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
                 route=tuple(waypoint(place, frame) for place in npc.route),
                 start_time=npc.start_time,
                 behavior=npc.behavior,
+                joins=npc.joins,
             )
             for npc in document.npc_vehicles
         ),
@@ -76,6 +77,7 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
                 model=actor_model(ActorKind.WALKER, walker.model).name,
                 route=tuple(waypoint(place, frame) for place in walker.route),
                 start_time=walker.start_time,
+                joins=walker.joins,
             )
             for walker in document.npc_walkers
         ),
@@ -95,6 +97,12 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
             region_segment=region(document.map_region.region_segment, frame),
         ),
         weather=model.Weather(**document.weather.model_dump()),
+        weather_changes=tuple(
+            model.WeatherChange(
+                time=change.time, weather=model.Weather(**change.weather.model_dump())
+            )
+            for change in document.weather_changes
+        ),
         traffic_lights=_traffic_lights(document.traffic_lights),
         background_traffic=None
         if background is None

@@ -84,23 +84,34 @@ class EgoVehicle:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NpcVehicle:
-    """A vehicle that follows waypoints; absent before ``start_time`` and after its route."""
+    """A vehicle that follows waypoints; absent before ``start_time`` and after its route.
+
+    Attributes:
+        joins: Whether it is added to the running episode at ``start_time``, behind all other
+            actors, instead of being one of its actors from the beginning.
+    """
 
     id: str
     model: str
     route: tuple[Waypoint, ...]
     start_time: float = 0.0
     behavior: NpcBehavior = NpcBehavior.REACTIVE
+    joins: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NpcWalker:
-    """A pedestrian; absent before ``start_time``, stays at the last waypoint."""
+    """A pedestrian; absent before ``start_time``, stays at the last waypoint.
+
+    Attributes:
+        joins: As for :class:`NpcVehicle`.
+    """
 
     id: str
     model: str
     route: tuple[Waypoint, ...]
     start_time: float = 0.0
+    joins: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,6 +161,19 @@ class Weather:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class WeatherChange:
+    """A change of the weather during the run.
+
+    Attributes:
+        time: Seconds from which on the weather is this one.
+        weather: The whole weather from then on.
+    """
+
+    time: float
+    weather: Weather
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LightTimes:
     """Durations of the stages of a junction's programme in seconds; ``None`` keeps the network's.
 
@@ -190,6 +214,7 @@ class Scenario:
     """A validated OpenScenario document.
 
     Attributes:
+        weather_changes: Changes of the weather during the run, in the order of their times.
         seed: Seeds every random draw of the run.
         step_length: Simulated seconds of one step.
         max_sim_time: Seconds after which the episode ends; ``None``: derived from the ego routes.
@@ -204,6 +229,7 @@ class Scenario:
     npc_walkers: tuple[NpcWalker, ...] = ()
     npc_obstacles: tuple[NpcObstacle, ...] = ()
     weather: Weather = field(default_factory=Weather)
+    weather_changes: tuple[WeatherChange, ...] = ()
     traffic_lights: TrafficLights = field(default_factory=TrafficLights)
     background_traffic: BackgroundTraffic | None = None
     seed: int = 0

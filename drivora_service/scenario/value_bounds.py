@@ -99,8 +99,8 @@ class _Bounds:
         actor = ("id", "model", "start_time")
         self._egos = _Columns(entities.EgoDocument, *actor, "route", "initial_speed", "dynamics")
         self._agents = _Columns(entities.AgentDocument, "name", "parameters")
-        self._vehicles = _Columns(entities.NpcVehicleDocument, *actor, "route", "behavior")
-        self._walkers = _Columns(entities.NpcWalkerDocument, *actor, "route")
+        self._vehicles = _Columns(entities.NpcVehicleDocument, *actor, "route", "behavior", "joins")
+        self._walkers = _Columns(entities.NpcWalkerDocument, *actor, "route", "joins")
         self._obstacles = _Columns(entities.NpcObstacleDocument, *actor, "length", "width")
         times = {"green_time": "green", "red_time": "red", "yellow_time": "yellow"}
         times["offset"] = "offset"
@@ -109,7 +109,7 @@ class _Bounds:
         self._lights = _Columns(entities.TrafficLightsDocument, "junctions", **general)
         self._whole = _Columns(
             ScenarioDocument,
-            *("ego_vehicles", "npc_vehicles", "npc_walkers", "npc_obstacles"),
+            *("ego_vehicles", "npc_vehicles", "npc_walkers", "npc_obstacles", "weather_changes"),
             *("seed", "step_length", "max_sim_time", "stuck_after", "extensions"),
         )
 
@@ -141,6 +141,8 @@ class _Bounds:
         ):
             if part is not None:
                 document.model_validate(part, from_attributes=True)
+        for change in scenario.weather_changes:
+            entities.WeatherChangeDocument.model_validate(change, from_attributes=True)
 
 
 @lru_cache(maxsize=1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from drivora_service.observations.trace import (
     Trace,
 )
 from drivora_service.scenario.canonical import scenario_sha256
+from drivora_service.scenario.weather import WeatherEffects
 from drivora_service.simulation.plan import EpisodePlan
 from drivora_service.simulation.world import World
 
@@ -45,6 +46,7 @@ class Record:
 
     Attributes:
         last_step: Row of the last frame.
+        weather_changes: Steps of the weather's changes so far, with the effects from then on.
         is_over: Whether no frame will be written any more; else the trace gets copies.
     """
 
@@ -55,6 +57,7 @@ class Record:
     log_names: tuple[str, ...]
     logs: Sequence[AgentLog]
     privileged: tuple[bool, ...]
+    weather_changes: Sequence[tuple[int, WeatherEffects]] = ()
     versions: dict[str, str] = field(default_factory=dict)
 
 
@@ -149,8 +152,20 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
             "seed": plan.scenario.seed,
             "friction": plan.weather.friction,
             "perception_range": plan.weather.perception_range,
+            **changed_conditions(record.weather_changes),
         },
     )
+
+
+def changed_conditions(changes: Sequence[tuple[int, WeatherEffects]]) -> dict[str, Any]:
+    """Returns what the trace tells of changes of the weather; nothing if there are none."""
+    if not changes:
+        return {}
+    told = [
+        {"step": step, "friction": now.friction, "perception_range": now.perception_range}
+        for step, now in changes
+    ]
+    return {"weather_changes": told}
 
 
 @lru_cache(maxsize=4)

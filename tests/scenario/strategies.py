@@ -72,12 +72,14 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
     vehicles = st.fixed_dictionaries(
         {"model": st.just("tesla.model3"), "route": routes(1)},
         optional=optional(
-            start_time=times, behavior=st.sampled_from(["replay", "reactive", "sumo"])
+            start_time=times,
+            behavior=st.sampled_from(["replay", "reactive", "sumo"]),
+            joins=st.booleans(),
         ),
     )
     walkers = st.fixed_dictionaries(
         {"model": st.just("walker.pedestrian.0001"), "route": routes(1)},
-        optional=optional(start_time=times),
+        optional=optional(start_time=times, joins=st.booleans()),
     )
     obstacles = st.fixed_dictionaries(
         {"model": st.just("static.prop.trafficcone01"), "location": locations},
@@ -99,6 +101,11 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
                 version=st.just("1.0"),
                 frame=st.sampled_from(["sumo", "carla"]),
                 weather=weather,
+                weather_changes=st.lists(
+                    st.fixed_dictionaries({"time": times, "weather": weather}),
+                    max_size=3,
+                    unique_by=lambda change: change["time"],
+                ).map(lambda changes: sorted(changes, key=lambda change: change["time"])),
                 traffic_lights=light_times,
                 background_traffic=st.fixed_dictionaries(
                     {"count": st.integers(0, 20)}, optional=optional(start_time=times)

@@ -11,6 +11,7 @@ import numpy as np
 
 from drivora_service.errors import UnknownName
 from drivora_service.geometry.arrays import FloatArray
+from drivora_service.observations.conditions import friction_of, perception_range_of
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Role, Trace
 from drivora_service.oracles.avoidability.braking import careful_braking, instant_braking
@@ -59,12 +60,12 @@ def assess(
         driver: The careful driver; by default that of the regulation.
     """
     driver = driver or CarefulDriver()
-    friction = ego.trace.meta.get("friction")
+    friction = friction_of(ego.trace, ego.first + k)
     if friction is None:
         return _unknown("the trace does not record the grip of the road")
     if k < 1:
         return _unknown("the contact is in the ego's first row: nothing is recorded before it")
-    grip = float(friction) * GRAVITY
+    grip = friction * GRAVITY
     replay = cut_out(ego, k, counterpart)
     model = _model(ego.trace, ego.row)
     brakes = model.max_deceleration if model is not None else np.inf
@@ -75,7 +76,7 @@ def assess(
         driver,
         grip=grip,
         heights=_heights(ego.trace),
-        sight=float(ego.trace.meta.get("perception_range", np.inf)),
+        sight=perception_range_of(ego.trace, ego.first + k),
     )
     breach = own_breach(ego, k)
     # An ego in breach is assumed to know the risk from the start of the record on.
@@ -88,7 +89,7 @@ def assess(
     return Avoidability(
         avoidable=Answer.YES if avoidable else Answer.NO,
         physically_avoidable=Answer.YES if physically else Answer.NO,
-        evidence=_evidence(replay, perceived, breach, latest, float(friction)),
+        evidence=_evidence(replay, perceived, breach, latest, friction),
     )
 
 

@@ -14,6 +14,7 @@ from drivora_service.geometry.lines import arc_lengths
 from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.conditions import friction_of
 from drivora_service.observations.trace import Actor, Col, Trace
 from drivora_service.oracles.responsibility.lane_areas import intrusion, lane_areas
 
@@ -59,7 +60,8 @@ class Party:
         self.speed = speed
         self.from_beginning = self.first == 0
         self.appeared = self.first > 0 and not trace.present[self.first - 1, actor.row]
-        self.grip = float(trace.meta.get("friction", math.inf)) * GRAVITY
+        friction = friction_of(trace, step)
+        self.grip = math.inf if friction is None else friction * GRAVITY
         self._areas = lane_areas(network)
 
     @property
