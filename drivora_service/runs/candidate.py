@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from drivora_service.runs.adversary import AdversarySource
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpaceSource:
@@ -24,10 +26,12 @@ class CandidateSource:
 
     Attributes:
         values: (d,) genes as proposed.
+        adversary: Adversary that acts during the run; ``None`` for none.
     """
 
     space: SpaceSource
     values: tuple[float, ...]
+    adversary: AdversarySource | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,7 +40,8 @@ class Candidate:
 
     Attributes:
         values: (d,) genes, repaired.
-        document: Canonical JSON text of the scenario; "" if there is none.
+        document: Canonical JSON text of the scenario, with what an adversary did during the run; ""
+            if there is none.
         problem: Why there is none, or "".
         prepare_s: Seconds of repairing, decoding and checking.
     """

@@ -9,7 +9,7 @@ from typing import Any
 
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.runs.candidate import CandidateSource
+from drivora_service.runs.candidate import Candidate, CandidateSource
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.shapes import Shape
 
@@ -50,7 +50,9 @@ class RunSpec:
         agent: Agent name that overrides the document's, or "".
         seed: Seed that overrides the document's, or ``None``.
         feedback: Feedback that measures the run for a tester; ``None`` for none.
-        candidate: Genes from which the worker makes the document; ``None`` if there is one.
+        candidate: Genes from which the worker makes the document; ``None`` if there is one. A
+            worker that has made it keeps them only if an adversary acts during the run.
+        prepared: In a worker, what it has made of such a candidate.
     """
 
     run_id: str
@@ -60,6 +62,7 @@ class RunSpec:
     seed: int | None = None
     feedback: FeedbackChoice | None = None
     candidate: CandidateSource | None = None
+    prepared: Candidate | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,6 +12,7 @@ import numpy as np
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.oracles.verdict import Verdict
+from drivora_service.runs.adversary import AdversarySource
 from drivora_service.search.genes import GeneSpace
 
 
@@ -35,12 +36,14 @@ class Proposal:
         origin: How it was made, in a word or two: ``initial``, ``mutation``, ``crossover`` ...
         generation: Number of its generation, cycle or round, from 0.
         parents: Numbers of the evaluations from which it was made.
+        adversary: Adversary that acts during its run; ``None`` for none.
     """
 
     values: FloatArray
     origin: str
     generation: int = 0
     parents: tuple[int, ...] = ()
+    adversary: AdversarySource | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

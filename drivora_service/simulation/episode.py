@@ -37,11 +37,11 @@ from drivora_service.simulation.arrays import (
 )
 from drivora_service.simulation.background_vehicles import BackgroundVehicles
 from drivora_service.simulation.casting import cast_actors, follower_actor, follower_body
-from drivora_service.simulation.changes import Changes, Joining, changes_anything
+from drivora_service.simulation.changes import Changes, Joining, change_step, changes_anything
 from drivora_service.simulation.dynamics import CommandMode
 from drivora_service.simulation.ego_team import EgoTeam
 from drivora_service.simulation.holding import Holding, look_ahead_is_bounded
-from drivora_service.simulation.look import Look, look_at
+from drivora_service.simulation.look import Frames, Look, frames_of, look_at
 from drivora_service.simulation.plan import (
     DrivenPlan,
     EpisodePlan,
@@ -362,6 +362,31 @@ class Episode:
     def look(self) -> Look:
         """Returns the episode in its present state."""
         return look_at(self._world, self._k, self.time, done=self.done)
+
+    @property
+    def actors(self) -> tuple[Actor, ...]:
+        """The actors so far, in the order of their rows."""
+        return tuple(self._world.actors)
+
+    def frames(self, first: int) -> Frames:
+        """Returns the frames from a row of the trace to the present one."""
+        return frames_of(self._world, first, self._k)
+
+    @property
+    def row(self) -> int:
+        """Row of the trace with the present frame."""
+        return self._k
+
+    def ending(self, ego: int) -> TerminalEvent | None:
+        """Returns the event that has ended the part of an ego, by its row; ``None``: none yet."""
+        return self._team.endings[ego].event
+
+    @property
+    def weather(self) -> Weather:
+        """The present weather; a change counts from the step that makes it."""
+        changes = self.scenario.weather_changes
+        due = [c for c in changes if change_step(c.time, self._dt) <= self._k]
+        return due[-1].weather if due else self.plan.scenario.weather
 
     def catch_up_sumo(self) -> None:
         """Has SUMO hold every actor at its present place, for callers that read it.
