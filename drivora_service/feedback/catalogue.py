@@ -5,6 +5,7 @@ from __future__ import annotations
 from drivora_service.errors import SearchError
 from drivora_service.feedback.avfuzzer import AVFUZZER
 from drivora_service.feedback.behavexplor import BEHAVEXPLOR
+from drivora_service.feedback.deepcollision import DEEPCOLLISION
 from drivora_service.feedback.doppeltest import DOPPELTEST
 from drivora_service.feedback.general import GENERAL
 from drivora_service.feedback.measurement import Feedback, FeedbackChoice
@@ -12,7 +13,7 @@ from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.feedback.samota import SAMOTA
 from drivora_service.plugin_table import PluginTable
 
-BUILT_IN = (GENERAL, AVFUZZER, BEHAVEXPLOR, DOPPELTEST, SAMOTA)
+BUILT_IN = (GENERAL, AVFUZZER, BEHAVEXPLOR, DEEPCOLLISION, DOPPELTEST, SAMOTA)
 
 
 class FeedbackCatalogue:

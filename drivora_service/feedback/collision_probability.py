@@ -79,6 +79,8 @@ def collision_probability(
 
 def _share(safe: FloatArray, distance: FloatArray) -> FloatArray:
     """Returns the (n,) greatest shares of safety distances that are missing."""
-    wanted = np.maximum(safe, 1e-9)
-    shares: FloatArray = np.clip(1.0 - distance / wanted, 0.0, 1.0).max(axis=1)
+    counts = np.isfinite(distance) & (safe > distance)
+    # Where none is missing, the share is 0, also where there is no state.
+    missing = np.divide(safe - distance, safe, out=np.zeros_like(safe), where=counts)
+    shares: FloatArray = missing.max(axis=1)
     return shares

@@ -7,6 +7,7 @@ from drivora_service.oracles.descriptions import SHARE, Better, MeasureDescripti
 _OWN = "Drivora"
 _AVFUZZER = "AV-Fuzzer (Li et al. 2020)"
 _BEHAVEXPLOR = "BehAVExplor (Cheng et al. 2023)"
+_DEEPCOLLISION = "DeepCollision (Lu et al. 2022)"
 _DOPPELTEST = "DoppelTest (Huai et al. 2023)"
 _SAMOTA = "SAMOTA (Ul Haq, Shin and Briand 2022)"
 
@@ -80,6 +81,13 @@ OBJECTIVES = (
         "The mean of four terms, each zero at a failure and at most one: nearness to the goal, and "
         "the least gaps to other actors, to the line on the left and to the edge of the road.",
         source=_BEHAVEXPLOR,
+    ),
+    _objective(
+        "deepcollision",
+        "safety",
+        "One less the greatest probability of a collision, by distances from other actors as a "
+        "share of safety distances; zero for a collision.",
+        source=_DEEPCOLLISION,
     ),
     _objective(
         "doppeltest",

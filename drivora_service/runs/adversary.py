@@ -10,7 +10,6 @@ from __future__ import annotations
 import base64
 import binascii
 import itertools
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -100,7 +99,7 @@ def layers_to_text(layers: Sequence[Layer]) -> str:
     body = b"".join(
         part.tobytes() for part in (np.array([len(sizes)], dtype="<u4"), sizes, *values)
     )
-    return base64.b64encode(zlib.compress(body, 1)).decode()
+    return base64.b64encode(body).decode()
 
 
 def layers_from_text(text: str) -> tuple[Layer, ...]:
@@ -110,11 +109,11 @@ def layers_from_text(text: str) -> tuple[Layer, ...]:
         SearchError: The text is no network from observations to actions.
     """
     try:
-        body = zlib.decompress(base64.b64decode(text, validate=True))
+        body = base64.b64decode(text, validate=True)
         count = int(np.frombuffer(body, dtype="<u4", count=1)[0])
         sizes = np.frombuffer(body, dtype="<u4", count=count, offset=4).tolist()
         values = np.frombuffer(body, dtype="<f4", offset=4 + 4 * count).astype(np.float64)
-    except (binascii.Error, ValueError, IndexError, zlib.error) as error:
+    except (binascii.Error, ValueError, IndexError) as error:
         raise SearchError(f"the policy of an adversary cannot be read: {error}") from error
     needed = sum((before + 1) * after for before, after in itertools.pairwise(sizes))
     if (

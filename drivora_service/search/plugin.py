@@ -27,6 +27,7 @@ class TesterPlugin(Generic[P]):
         feedback: Feedback that measures its evaluations.
         create: Makes a tester. Raises ``SearchError`` if it cannot search the space.
         is_generational: Whether it waits for a whole generation before it proposes the next.
+        packages: Packages of an extra that it needs; a campaign records their versions.
     """
 
     name: str
@@ -37,6 +38,7 @@ class TesterPlugin(Generic[P]):
     feedback: FeedbackChoice
     create: Callable[[TesterContext, P, Components], Tester]
     is_generational: bool
+    packages: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

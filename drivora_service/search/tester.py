@@ -94,6 +94,27 @@ class Tester(Protocol):
         ...
 
 
+class Checkpoints(Protocol):
+    """The checkpoints of a tester: its state after some evaluations.
+
+    They only save time: a tester without them comes to the same state by the evaluations that it is
+    told again.
+    """
+
+    def last(self) -> tuple[int, bytes] | None:
+        """Returns the latest checkpoint of which all evaluations will be told again.
+
+        Returns:
+            The number of evaluations that the tester had been told, and its state; ``None`` if
+            there is none.
+        """
+        ...
+
+    def save(self, told: int, state: bytes) -> None:
+        """Keeps the state after ``told`` evaluations."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TesterContext:
     """The context of a tester.
@@ -104,9 +125,12 @@ class TesterContext:
         budget: Number of simulations that the campaign may make.
         conflicts: (p, p) which two of the p routes that egos choose from (by their gene ``path``)
             conflict; symmetric, none with itself. ``None``: not known.
+        checkpoints: Place for checkpoints of testers that need long to rebuild their state;
+            ``None``: none are kept.
     """
 
     space: GeneSpace
     random: np.random.Generator
     budget: int
     conflicts: BoolArray | None = None
+    checkpoints: Checkpoints | None = None

@@ -198,11 +198,11 @@ def test_no_actor_appears_outside_the_region() -> None:
     for action in inside:
         playing = game(what, Blind())
         decide(playing, action)
-        added = (*playing.scenario.npc_vehicles, *playing.scenario.npc_walkers)
-        for one in added:
-            for point in one.route:
-                assert region.min_x <= point.x <= region.max_x
-                assert region.min_y <= point.y <= region.max_y
+        vehicles, walkers = playing.scenario.npc_vehicles, playing.scenario.npc_walkers
+        routes = [one.route for one in vehicles] + [one.route for one in walkers]
+        for point in (point for route in routes for point in route):
+            assert region.min_x <= point.x <= region.max_x
+            assert region.min_y <= point.y <= region.max_y
 
 
 @pytest.mark.parametrize("action", MANOEUVRES)

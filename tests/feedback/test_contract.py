@@ -13,6 +13,7 @@ from drivora_service.errors import SearchError
 from drivora_service.feedback.avfuzzer import AVFUZZER
 from drivora_service.feedback.behavexplor import BEHAVEXPLOR
 from drivora_service.feedback.catalogue import BUILT_IN
+from drivora_service.feedback.deepcollision import DEEPCOLLISION
 from drivora_service.feedback.doppeltest import DOPPELTEST
 from drivora_service.feedback.general import GENERAL
 from drivora_service.feedback.measurement import Measurement
@@ -32,6 +33,10 @@ class TestAvfuzzer(FeedbackContract):
 
 class TestBehavexplor(FeedbackContract):
     plugin = BEHAVEXPLOR
+
+
+class TestDeepcollision(FeedbackContract):
+    plugin = DEEPCOLLISION
 
 
 class TestDoppelTest(FeedbackContract):
