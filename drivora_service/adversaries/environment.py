@@ -28,7 +28,7 @@ try:
 except ModuleNotFoundError as error:
     raise ConfigurationError(
         "the environment of an adversary needs Gymnasium, which is not installed: install "
-        "Drivora with the extra 'adversary' (pip install 'drivora[adversary]')"
+        "the extra 'adversary' (pip install '.[adversary]' in the checkout)"
     ) from error
 
 View = NDArray[np.float32]

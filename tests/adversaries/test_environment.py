@@ -96,4 +96,4 @@ def test_without_gymnasium_the_extra_is_named(repository: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=repository, capture_output=True, text=True, check=True
     )
-    assert "pip install 'drivora[adversary]'" in done.stdout
+    assert "pip install '.[adversary]'" in done.stdout

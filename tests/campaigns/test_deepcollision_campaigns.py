@@ -81,6 +81,6 @@ def test_without_the_extra_a_campaign_is_refused_and_the_extra_named(
 
     monkeypatch.setattr(module, "find_spec", lambda _name: None)
     valid = read_campaign(adversarial, catalogues)
-    with pytest.raises(InvalidDocument, match=r"drivora\[adversary\]") as caught:
+    with pytest.raises(InvalidDocument, match=r"\.\[adversary\]") as caught:
         prepare_search(valid, catalogues, run_prefix="x")
     assert caught.value.problems[0].pointer == "/tester"

@@ -207,7 +207,7 @@ def _create(
     if missing:
         raise SearchError(
             f"tester 'deepcollision' needs {', '.join(missing)}, which is not installed: install "
-            "Drivora with the extra 'adversary' (pip install 'drivora[adversary]')"
+            "the extra 'adversary' (pip install '.[adversary]' in the checkout)"
         )
     return DeepcollisionTester(context, parameters)
 
