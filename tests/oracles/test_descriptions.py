@@ -87,7 +87,14 @@ def test_every_objective_is_described() -> None:
     catalogue = FeedbackCatalogue()
     names = [
         (name, objective)
-        for name in ("general", "avfuzzer", "behavexplor", "doppeltest", "samota")
+        for name in (
+            "general",
+            "avfuzzer",
+            "behavexplor",
+            "deepcollision",
+            "doppeltest",
+            "samota",
+        )
         for objective in catalogue.create(FeedbackChoice(name=name)).objectives
     ]
     assert {name for name, _ in names} == set(catalogue.names())
