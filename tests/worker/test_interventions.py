@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pkgutil
 from dataclasses import replace
 
 import numpy as np
@@ -34,7 +35,9 @@ from drivora_service.worker.setup import WorkerSetup
 from tests.adversaries.games import alone
 
 SETUP = WorkerSetup(shipped_networks=shipped_networks())
-TASK = WorkerTask(perform="-", warm_up="", setup=SETUP, prepare=PREPARE)
+TASK = WorkerTask(
+    perform="drivora_service.worker.performing:perform", warm_up="", setup=SETUP, prepare=PREPARE
+)
 
 
 def source_for(seed: int, what: Scenario | None = None) -> CandidateSource:
@@ -51,7 +54,8 @@ def performed(source: CandidateSource) -> tuple[RunReport, Candidate | None]:
     spec = RunSpec(
         run_id="run", document="", candidate=source, feedback=FeedbackChoice(name="deepcollision")
     )
-    report = _report(spec, perform, TASK, ProgressBoard(reader.fileno()))
+    do = pkgutil.resolve_name(TASK.perform)
+    report = _report(spec, do, TASK, ProgressBoard(reader.fileno()))
     found = candidate_of(reader.note(LONGEST_BODY), source, "run")
     reader.close()
     return report, found
