@@ -168,7 +168,7 @@ class Engine:
                     number=self._next,
                     turn=turn,
                     proposal=turn.take(proposal, self._next),
-                    asked_sha256=_sha256(proposal.values.tobytes()),
+                    asked_sha256=_sha256(_asked(proposal)),
                     stored=next(self._stored, None),
                 )
                 self._next += 1
@@ -191,6 +191,7 @@ class Engine:
                 space=waiting.turn.part.candidates.source,
                 values=tuple(waiting.proposal.values.tolist()),
                 reference=waiting.proposal.reference,
+                adversary=waiting.proposal.adversary,
             ),
         )
 
@@ -313,7 +314,11 @@ class Engine:
             candidate = waiting.turn.part.candidates.prepare(new.values, new.reference)
             if candidate.values != tuple(old.values.tolist()):
                 problem = "other values"
-            elif _sha256(candidate.document.encode()) != stored.document_sha256:
+            elif (
+                # What an adversary does is known after a run only.
+                new.adversary is None
+                and _sha256(candidate.document.encode()) != stored.document_sha256
+            ):
                 problem = "another scenario"
         if problem:
             raise CampaignError(
@@ -342,6 +347,19 @@ class Engine:
 def _making(proposal: Proposal) -> tuple[object, ...]:
     """Returns how a candidate was made."""
     return proposal.origin, proposal.generation, proposal.parents, proposal.redrawn
+
+
+def _asked(proposal: Proposal) -> bytes:
+    """Returns what identifies a proposal when its campaign is resumed.
+
+    The policy of an adversary is left out: it follows from evaluations that are compared, and a
+    tester that has a checkpoint need not make it again.
+    """
+    adversary = proposal.adversary
+    if adversary is None:
+        return proposal.values.tobytes()
+    rest = replace(adversary, policy="")
+    return proposal.values.tobytes() + repr(rest).encode()
 
 
 def _sha256(data: bytes) -> str:

@@ -21,13 +21,19 @@ from drivora_service.scenario.model import NpcBehavior, Scenario
 from drivora_service.search.catalogue import components_named
 from drivora_service.search.space.candidates import ScenarioCandidates
 from drivora_service.search.space.scenario_space import ScenarioSpace
-from drivora_service.search.tester import Tester, TesterContext
+from drivora_service.search.tester import Checkpoints, Tester, TesterContext
 
 _SEARCH, _SHUFFLE = 0, 1
 """Streams of random numbers that derive from a campaign's seed."""
 
 
-def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: str) -> Search:
+def prepare_search(
+    valid: ValidCampaign,
+    catalogues: Catalogues,
+    *,
+    run_prefix: str,
+    checkpoints: Checkpoints | None = None,
+) -> Search:
     """Builds the search of a campaign: its gene space and its tester.
 
     The same campaign always gives the same search.
@@ -36,6 +42,8 @@ def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: 
         valid: The campaign.
         catalogues: Catalogues for its names.
         run_prefix: Prefix of the ids of the runs.
+        checkpoints: Place for checkpoints of the tester; unused with several seed scenarios, since
+            it numbers the evaluations of one tester.
 
     Raises:
         InvalidDocument: The gene space cannot be built, or the tester cannot search it.
@@ -59,7 +67,8 @@ def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: 
         except (SearchError, NetworkError) as error:
             raise _refusal("/space", "space", named, error) from error
         try:
-            tester = _tester(valid, catalogues, space, place)
+            kept = checkpoints if len(valid.seeds) == 1 else None
+            tester = _tester(valid, catalogues, space, place, kept)
         except SearchError as error:
             raise _refusal("/tester", "tester", named, error) from error
         parts.append(
@@ -91,7 +100,11 @@ def search_versions() -> dict[str, str]:
 
 
 def _tester(
-    valid: ValidCampaign, catalogues: Catalogues, space: ScenarioSpace, place: int
+    valid: ValidCampaign,
+    catalogues: Catalogues,
+    space: ScenarioSpace,
+    place: int,
+    checkpoints: Checkpoints | None,
 ) -> Tester:
     """Makes the tester of the seed scenario at a place."""
     campaign, choice = valid.campaign, valid.campaign.tester
@@ -102,6 +115,7 @@ def _tester(
         conflicts=space.conflicts,
         decode_alike=space.decode_alike,
         ego_distance=space.ego_distance,
+        checkpoints=checkpoints,
     )
     components = components_named(mutation=choice.mutation, selection=choice.selection)
     tester = catalogues.testers.create(choice.name, context, choice.parameters, components)

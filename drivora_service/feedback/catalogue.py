@@ -6,6 +6,7 @@ from drivora_service.errors import SearchError
 from drivora_service.feedback.avfuzzer import AVFUZZER
 from drivora_service.feedback.behavexplor import BEHAVEXPLOR
 from drivora_service.feedback.decictor import DECICTOR
+from drivora_service.feedback.deepcollision import DEEPCOLLISION
 from drivora_service.feedback.doppeltest import DOPPELTEST
 from drivora_service.feedback.drivefuzz import DRIVEFUZZ
 from drivora_service.feedback.general import GENERAL
@@ -14,7 +15,16 @@ from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.feedback.samota import SAMOTA
 from drivora_service.plugin_table import PluginTable
 
-BUILT_IN = (GENERAL, AVFUZZER, BEHAVEXPLOR, DOPPELTEST, SAMOTA, DRIVEFUZZ, DECICTOR)
+BUILT_IN = (
+    GENERAL,
+    AVFUZZER,
+    BEHAVEXPLOR,
+    SAMOTA,
+    DOPPELTEST,
+    DRIVEFUZZ,
+    DEEPCOLLISION,
+    DECICTOR,
+)
 
 
 class FeedbackCatalogue:

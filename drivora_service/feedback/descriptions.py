@@ -8,6 +8,7 @@ _OWN = "Drivora"
 _AVFUZZER = "AV-Fuzzer (Li et al. 2020)"
 _BEHAVEXPLOR = "BehAVExplor (Cheng et al. 2023)"
 _DECICTOR = "Decictor (Cheng et al. 2025)"
+_DEEPCOLLISION = "DeepCollision (Lu et al. 2022)"
 _DOPPELTEST = "DoppelTest (Huai et al. 2023)"
 _DRIVEFUZZ = "DriveFuzz (Kim et al. 2022)"
 _SAMOTA = "SAMOTA (Ul Haq, Shin and Briand 2022)"
@@ -84,29 +85,6 @@ OBJECTIVES = (
         source=_BEHAVEXPLOR,
     ),
     _objective(
-        "doppeltest",
-        "ego_distance",
-        "The least gap between two egos.",
-        unit="m",
-        source=_DOPPELTEST,
-    ),
-    _objective(
-        "doppeltest",
-        "decisions",
-        "The negated number of different decisions that all egos took.",
-        better=Better.NEITHER,
-        several_egos="all",
-        source=_DOPPELTEST,
-    ),
-    _objective(
-        "doppeltest",
-        "conflicts",
-        "The negated number of pairs of different routes that meet in a junction.",
-        better=Better.NEITHER,
-        several_egos="all",
-        source=_DOPPELTEST,
-    ),
-    _objective(
         "samota",
         "lane_centre",
         "How near the ego stayed to the centre of its lane; zero where it left its lane.",
@@ -148,6 +126,29 @@ OBJECTIVES = (
         source=_SAMOTA,
     ),
     _objective(
+        "doppeltest",
+        "ego_distance",
+        "The least gap between two egos.",
+        unit="m",
+        source=_DOPPELTEST,
+    ),
+    _objective(
+        "doppeltest",
+        "decisions",
+        "The negated number of different decisions that all egos took.",
+        better=Better.NEITHER,
+        several_egos="all",
+        source=_DOPPELTEST,
+    ),
+    _objective(
+        "doppeltest",
+        "conflicts",
+        "The negated number of pairs of different routes that meet in a junction.",
+        better=Better.NEITHER,
+        several_egos="all",
+        source=_DOPPELTEST,
+    ),
+    _objective(
         "drivefuzz",
         "driving_quality",
         "The negated sum of the frames in which the ego accelerated, braked or turned hard, "
@@ -155,6 +156,13 @@ OBJECTIVES = (
         "in metres.",
         threshold="20 frames a second; hard from 5.9 m/s² along and 4.9 m/s² across",
         source=_DRIVEFUZZ,
+    ),
+    _objective(
+        "deepcollision",
+        "safety",
+        "One less the greatest probability of a collision, by distances from other actors as a "
+        "share of safety distances; zero for a collision.",
+        source=_DEEPCOLLISION,
     ),
     _objective(
         "decictor",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drivora_service.errors import UnknownName
 from drivora_service.geometry.arrays import FloatArray, Int32Array
-from drivora_service.observations.ground import trace_frictions
+from drivora_service.observations.conditions import frictions_under
 from drivora_service.observations.leaders import leaders
 from drivora_service.observations.own_frame import own_acceleration
 from drivora_service.observations.proximity import gaps_between
@@ -82,7 +82,7 @@ def ego_series(ego: EgoView) -> Mapping[str, NDArray[np.generic]]:
     near = ego.proximity if ego.count else None
     ahead = leaders(ego) if ego.count else None
     along, across = own_acceleration(ego.states)
-    grip = trace_frictions(ego.trace, ego.actor, ego.states) * GRAVITY
+    grip = frictions_under(ego.trace, ego.actor, ego.first, ego.states) * GRAVITY
     throttle, brake = _pedals(ego)
     gap, gap_actor = _nearest(ego)
     none = np.full(ego.count, np.nan)

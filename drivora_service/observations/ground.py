@@ -1,9 +1,9 @@
 """The friction of the road at a place: the road's own, and less on slippery patches.
 
-The lowest coefficient at a place counts. Patches are rows of an array, so that the kernels of the
-simulation and the oracles ask the same function. A vehicle stands on two axles, each half a
-wheelbase from the centre of its box, that carry half of its weight each: its grip is the mean of
-the frictions under them.
+The lowest coefficient at a place counts; the road's own is that of the weather at the time. Patches
+are rows of an array, so that the kernels of the simulation and the oracles ask the same function. A
+vehicle stands on two axles, each half a wheelbase from the centre of its box, that carry half of
+its weight each: its grip is the mean of the frictions under them.
 """
 
 from __future__ import annotations
@@ -18,13 +18,10 @@ import numpy as np
 from drivora_service.compilation import compiled
 from drivora_service.errors import UnknownName
 from drivora_service.geometry.arrays import FloatArray
-from drivora_service.observations.trace import LEVEL_GAP, Actor, Col, Trace
+from drivora_service.observations.trace import LEVEL_GAP, Actor
 from drivora_service.scenario.actor_models import ActorKind, actor_model
 
 _WHEELBASE_SHARE = 0.6
-
-PATCHES_KEY = "friction_patches"
-"""Entry of ``Trace.meta``; missing where there are none."""
 
 
 class PatchCol(IntEnum):
@@ -110,16 +107,20 @@ def vehicle_friction(
 
 
 @compiled
-def _frictions(
-    states: FloatArray, wheelbase: float, friction: float, patches: FloatArray, found: FloatArray
+def _lower(
+    states: FloatArray, wheelbase: float, patches: FloatArray, frictions: FloatArray
 ) -> None:
     for k in range(states.shape[0]):
         x, y, yaw, z = states[k, 0], states[k, 1], states[k, 2], states[k, 3]
-        found[k] = vehicle_friction(x, y, z, yaw, wheelbase, friction, patches)
+        frictions[k] = vehicle_friction(x, y, z, yaw, wheelbase, frictions[k], patches)
 
 
 def frictions_along(
-    poses: FloatArray, heights: FloatArray, wheelbase: float, friction: float, patches: FloatArray
+    poses: FloatArray,
+    heights: FloatArray,
+    wheelbase: float,
+    friction: float | FloatArray,
+    patches: FloatArray,
 ) -> FloatArray:
     """Returns the friction coefficient that a vehicle has in each pose, (n,).
 
@@ -127,41 +128,14 @@ def frictions_along(
         poses: (n, 3) x, y and heading.
         heights: (n,) metres.
         wheelbase: Metres; 0: of its centre alone.
-        friction: Coefficient of the road without patches.
+        friction: Coefficient of the road without patches, or (n,) of them, one for each pose.
         patches: (P, 8), columns ``PatchCol``.
     """
-    found = np.full(len(poses), friction)
+    found: FloatArray = np.array(np.broadcast_to(friction, len(poses)), dtype=np.float64)
     if len(patches):
         states = np.column_stack((poses, heights))
-        _frictions(states, wheelbase, friction, patches, found)
+        _lower(states, wheelbase, patches, found)
     return found
-
-
-def trace_friction(trace: Trace) -> float | None:
-    """Returns the friction coefficient of a run's road; ``None`` if it is not recorded."""
-    friction = trace.meta.get("friction")
-    return None if friction is None else float(friction)
-
-
-def trace_patches(trace: Trace) -> FloatArray:
-    """Returns the (P, 8) patches of a run, columns ``PatchCol``."""
-    return patch_array(trace.meta.get(PATCHES_KEY, ()))
-
-
-def trace_frictions(trace: Trace, actor: Actor, states: FloatArray) -> FloatArray:
-    """Returns the (n,) friction coefficient that a vehicle had at each row; NaN if not recorded.
-
-    Args:
-        trace: The run.
-        actor: The vehicle.
-        states: (n, 9) of it, columns ``Col``.
-    """
-    friction = trace_friction(trace)
-    if friction is None:
-        return np.full(len(states), np.nan)
-    poses = states[:, [Col.X, Col.Y, Col.YAW]]
-    base = wheelbase_of(actor)
-    return frictions_along(poses, states[:, Col.Z], base, friction, trace_patches(trace))
 
 
 def wheelbase_of(actor: Actor) -> float:

@@ -19,7 +19,8 @@ def trace_sha256(trace: Trace) -> str:
 
     Covered: times, actors, states, presence, ego values, lanes, lights, routes, ends, contacts,
     traffic lights, agent logs, the network's and the scenario's hash. Not covered: ``meta``,
-    ``lane_ids`` and ``plans``, none of which has an effect on the run.
+    ``lane_ids`` and ``plans``, none of which has an effect on the run, and ``references``, which
+    are the scenario's.
 
     Two traces with the same numbers have the same hash for any memory layout of their
     arrays, the bits of their NaNs, the sign of their zeros, or values in the rows of actors

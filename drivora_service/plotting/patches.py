@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch, Polygon
 
 from drivora_service.geometry.outlines import box_corners
-from drivora_service.observations.ground import PATCHES_KEY
+from drivora_service.observations.conditions import PATCHES_KEY
 from drivora_service.observations.trace import Trace
 from drivora_service.plotting import colors
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from drivora_service.runs.adversary import AdversarySource
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpaceSource:
@@ -39,11 +41,13 @@ class CandidateSource:
     Attributes:
         values: (d,) genes as proposed.
         reference: Paths that belong to the scenario beside its genes; ``None`` for none.
+        adversary: Adversary that acts during the run; ``None`` for none.
     """
 
     space: SpaceSource
     values: tuple[float, ...]
     reference: Reference | None = None
+    adversary: AdversarySource | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +56,8 @@ class Candidate:
 
     Attributes:
         values: (d,) genes, repaired.
-        document: Canonical JSON text of the scenario; "" if there is none.
+        document: Canonical JSON text of the scenario, with what an adversary did during the run; ""
+            if there is none.
         problem: Why there is none, or "".
         prepare_s: Seconds of repairing, decoding and checking.
     """

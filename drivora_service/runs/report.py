@@ -9,7 +9,7 @@ from typing import Any
 
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.runs.candidate import CandidateSource
+from drivora_service.runs.candidate import Candidate, CandidateSource
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.shapes import Shape
 
@@ -52,6 +52,8 @@ class RunSpec:
         feedback: Feedback that measures the run for a tester; ``None`` for none.
         candidate: Genes from which the worker makes the document; ``None`` if there is one. Inside
             the worker, with the document, the repaired genes that it is made of.
+        prepared: In a worker, what it has made of such a candidate, if an adversary acts during the
+            run.
     """
 
     run_id: str
@@ -61,6 +63,7 @@ class RunSpec:
     seed: int | None = None
     feedback: FeedbackChoice | None = None
     candidate: CandidateSource | None = None
+    prepared: Candidate | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -25,14 +25,16 @@ from drivora_service.scenario import model
 
 _LATER_FIELDS: Mapping[type, Mapping[str, object]] = MappingProxyType(
     {
-        model.Scenario: {"stuck_after": None, "friction_patches": []},
+        model.Scenario: {"stuck_after": None, "friction_patches": [], "weather_changes": []},
         model.EgoVehicle: {"reference_path": []},
         model.Waypoint: {"wait": None},
         model.NpcVehicle: {
             "at_end": model.RouteEnd.LEAVE,
             "deceleration": None,
             "lateral_acceleration": None,
+            "joins": False,
         },
+        model.NpcWalker: {"joins": False},
     }
 )
 """Fields that were added later, by class, with the values that are omitted."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -75,6 +76,7 @@ def check(
     problems += model_problems
     problems += _check_speeds(content, actors)
     problems += check_driving(content)
+    problems += _check_weather_changes(content)
     snapped: list[OffLanePlace] = []
     if network is not None:
         if not doubts.cover("/frame"):
@@ -139,6 +141,20 @@ def _check_speeds(
             place = f"{actor.pointer}/initial_speed"
             problems.append(Problem(pointer=place, code="too_fast", message=message))
     return problems
+
+
+def _check_weather_changes(content: ScenarioDocument | Scenario) -> list[Problem]:
+    times = [change.time for change in content.weather_changes]
+    return [
+        Problem(
+            pointer=pointer(("weather_changes", index, "time")),
+            code="wrong_order",
+            message=f"found {time} s after a change at {before} s; the changes must be in the "
+            "order of their times, each at another time",
+        )
+        for index, (before, time) in enumerate(itertools.pairwise(times), 1)
+        if time <= before
+    ]
 
 
 def _check_lights(content: ScenarioDocument | Scenario, network: RoadNetwork) -> list[Problem]:

@@ -82,6 +82,7 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
                 at_end=npc.at_end,
                 deceleration=npc.deceleration,
                 lateral_acceleration=npc.lateral_acceleration,
+                joins=npc.joins,
             )
             for npc in document.npc_vehicles
         ),
@@ -91,6 +92,7 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
                 model=actor_model(ActorKind.WALKER, walker.model).name,
                 route=tuple(waypoint(place, frame) for place in walker.route),
                 start_time=walker.start_time,
+                joins=walker.joins,
             )
             for walker in document.npc_walkers
         ),
@@ -111,6 +113,12 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
             region_segment=region(document.map_region.region_segment, frame),
         ),
         weather=model.Weather(**document.weather.model_dump()),
+        weather_changes=tuple(
+            model.WeatherChange(
+                time=change.time, weather=model.Weather(**change.weather.model_dump())
+            )
+            for change in document.weather_changes
+        ),
         traffic_lights=_traffic_lights(document.traffic_lights),
         background_traffic=None
         if background is None

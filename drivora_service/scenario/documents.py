@@ -28,6 +28,7 @@ from drivora_service.scenario.entities import (
     NpcVehicleDocument,
     NpcWalkerDocument,
     TrafficLightsDocument,
+    WeatherChangeDocument,
     WeatherDocument,
     is_agent_name,
 )
@@ -72,6 +73,9 @@ class ScenarioDocument(EntityDocument):
     weather: WeatherDocument = Field(
         default_factory=WeatherDocument, description="Weather; clear by default."
     )
+    weather_changes: Annotated[
+        tuple[WeatherChangeDocument, ...], Field(max_length=fields.MAX_WEATHER_CHANGES)
+    ] = Field((), description="Changes of the weather during the run, in the order of their times.")
     traffic_lights: TrafficLightsDocument = Field(
         default_factory=TrafficLightsDocument,
         description="Light times; the network's own by default.",

@@ -11,7 +11,15 @@ import re
 from itertools import pairwise
 from typing import Annotated, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    JsonValue,
+    StrictBool,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from drivora_service.scenario import fields
@@ -19,6 +27,12 @@ from drivora_service.scenario.model import NpcBehavior, RouteEnd, VehicleDynamic
 
 MAX_FREE_DATA_BYTES = 262_144
 """Maximum serialised size of ``extensions``, and of the parameters of one agent, bytes."""
+
+
+JOINS = (
+    "Whether it is added to the running episode at start_time, behind all other actors, instead of "
+    "being one of its actors from the beginning."
+)
 
 
 class EntityDocument(BaseModel):
@@ -220,6 +234,7 @@ class NpcVehicleDocument(EntityDocument):
         description="Lateral acceleration in bends and lane changes, at most what the grip of the "
         "road allows. Without it 60 % of the grip in bends, and lane changes of 4 s.",
     )
+    joins: StrictBool = Field(False, description=JOINS)
 
 
 class NpcWalkerDocument(EntityDocument):
@@ -231,6 +246,7 @@ class NpcWalkerDocument(EntityDocument):
         tuple[WalkerWaypointDocument, ...], Field(min_length=1, max_length=fields.MAX_WAYPOINTS)
     ] = Field(description="Waypoints in order; with a single one, the walker stands still.")
     start_time: fields.StartTime = Field(0.0, description="Absent before this time.")
+    joins: StrictBool = Field(False, description=JOINS)
 
 
 class NpcObstacleDocument(EntityDocument):
@@ -315,6 +331,13 @@ class WeatherDocument(EntityDocument):
     fog_falloff: fields.FogFalloff = Field(
         0.0, description="Decrease of the fog with height; without effect in the plane."
     )
+
+
+class WeatherChangeDocument(EntityDocument):
+    """A change of the weather during the run."""
+
+    time: fields.StartTime = Field(description="From this time on the weather is this one.")
+    weather: WeatherDocument = Field(description="The whole weather from then on.")
 
 
 class LightTimesDocument(EntityDocument):

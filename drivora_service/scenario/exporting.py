@@ -16,6 +16,7 @@ from drivora_service.scenario.model import (
     Region,
     Scenario,
     Waypoint,
+    Weather,
 )
 
 _NEIGHBOURS = 64
@@ -44,6 +45,7 @@ def document_content(scenario: Scenario) -> dict[str, Any]:
                 "model": walker.model,
                 "route": _route(walker.route),
                 "start_time": walker.start_time,
+                "joins": walker.joins,
             }
             for walker in scenario.npc_walkers
         ],
@@ -62,9 +64,11 @@ def document_content(scenario: Scenario) -> dict[str, Any]:
             "town": scenario.map_region.town,
             "region_segment": _region(scenario.map_region.region_segment),
         },
-        "weather": {
-            name: getattr(scenario.weather, name) for name in scenario.weather.__dataclass_fields__
-        },
+        "weather": _weather(scenario.weather),
+        "weather_changes": [
+            {"time": change.time, "weather": _weather(change.weather)}
+            for change in scenario.weather_changes
+        ],
         "traffic_lights": {
             **_light_times(lights.times),
             "junctions": {light: _light_times(times) for light, times in lights.junctions.items()},
@@ -93,6 +97,10 @@ def _yaw(angle: float) -> float:
                 return candidate
             candidate = math.nextafter(candidate, limit)
     return value
+
+
+def _weather(weather: Weather) -> dict[str, float]:
+    return {name: getattr(weather, name) for name in weather.__dataclass_fields__}
 
 
 def _route(route: tuple[Waypoint, ...]) -> list[dict[str, float]]:
@@ -148,6 +156,7 @@ def _npc(npc: NpcVehicle) -> dict[str, Any]:
         "at_end": npc.at_end.value,
         "deceleration": npc.deceleration,
         "lateral_acceleration": npc.lateral_acceleration,
+        "joins": npc.joins,
     }
 
 

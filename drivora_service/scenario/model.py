@@ -126,6 +126,8 @@ class NpcVehicle:
             the road; ``None``: a comfortable share of its model's.
         lateral_acceleration: m/s² that it uses in bends and lane changes, at most the grip of the
             road; ``None``: a share of the grip in bends, and lane changes of a fixed time.
+        joins: Whether it is added to the running episode at ``start_time``, behind all other
+            actors, instead of being one of its actors from the beginning.
     """
 
     id: str
@@ -136,16 +138,22 @@ class NpcVehicle:
     at_end: RouteEnd = RouteEnd.LEAVE
     deceleration: float | None = None
     lateral_acceleration: float | None = None
+    joins: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NpcWalker:
-    """A pedestrian; absent before ``start_time``, stays at the last waypoint."""
+    """A pedestrian; absent before ``start_time``, stays at the last waypoint.
+
+    Attributes:
+        joins: As for :class:`NpcVehicle`.
+    """
 
     id: str
     model: str
     route: tuple[Waypoint, ...]
     start_time: float = 0.0
+    joins: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -214,6 +222,19 @@ class Weather:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class WeatherChange:
+    """A change of the weather during the run.
+
+    Attributes:
+        time: Seconds from which on the weather is this one.
+        weather: The whole weather from then on.
+    """
+
+    time: float
+    weather: Weather
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LightTimes:
     """Durations of the stages of a junction's programme in seconds; ``None`` keeps the network's.
 
@@ -254,6 +275,7 @@ class Scenario:
     """A validated OpenScenario document.
 
     Attributes:
+        weather_changes: Changes of the weather during the run, in the order of their times.
         seed: Seeds every random draw of the run.
         step_length: Simulated seconds of one step.
         max_sim_time: Seconds after which the episode ends; ``None``: derived from the ego routes.
@@ -269,6 +291,7 @@ class Scenario:
     npc_obstacles: tuple[NpcObstacle, ...] = ()
     friction_patches: tuple[FrictionPatch, ...] = ()
     weather: Weather = field(default_factory=Weather)
+    weather_changes: tuple[WeatherChange, ...] = ()
     traffic_lights: TrafficLights = field(default_factory=TrafficLights)
     background_traffic: BackgroundTraffic | None = None
     seed: int = 0

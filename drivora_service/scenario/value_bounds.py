@@ -103,9 +103,9 @@ class _Bounds:
         pose = ("time", "x", "y", "z", "yaw", "speed")
         self._reference_poses = _Columns(entities.ReferencePoseDocument, *pose)
         self._agents = _Columns(entities.AgentDocument, "name", "parameters")
-        driving = ("behavior", "at_end", "deceleration", "lateral_acceleration")
+        driving = ("behavior", "at_end", "deceleration", "lateral_acceleration", "joins")
         self._vehicles = _Columns(entities.NpcVehicleDocument, *actor, "route", *driving)
-        self._walkers = _Columns(entities.NpcWalkerDocument, *actor, "route")
+        self._walkers = _Columns(entities.NpcWalkerDocument, *actor, "route", "joins")
         self._obstacles = _Columns(entities.NpcObstacleDocument, *actor, "length", "width")
         self._patches = _Columns(
             entities.FrictionPatchDocument, "id", "length", "width", "friction"
@@ -118,7 +118,7 @@ class _Bounds:
         self._whole = _Columns(
             ScenarioDocument,
             *("ego_vehicles", "npc_vehicles", "npc_walkers", "npc_obstacles"),
-            "friction_patches",
+            *("friction_patches", "weather_changes"),
             *("seed", "step_length", "max_sim_time", "stuck_after", "extensions"),
         )
 
@@ -153,6 +153,8 @@ class _Bounds:
         ):
             if part is not None:
                 document.model_validate(part, from_attributes=True)
+        for change in scenario.weather_changes:
+            entities.WeatherChangeDocument.model_validate(change, from_attributes=True)
 
 
 @lru_cache(maxsize=1)

@@ -30,6 +30,7 @@ class TesterPlugin(Generic[P]):
         oracle: Oracle whose violations it searches; "": whatever oracles the campaign names.
         compares_paths: Whether its candidates have reference paths; then the motion of all actors
             must be planned, and is not left to SUMO.
+        packages: Packages of an extra that it needs; a campaign records their versions.
     """
 
     name: str
@@ -42,6 +43,7 @@ class TesterPlugin(Generic[P]):
     is_generational: bool
     oracle: str = ""
     compares_paths: bool = False
+    packages: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,6 +12,7 @@ import numpy as np
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.oracles.verdict import Verdict
+from drivora_service.runs.adversary import AdversarySource
 from drivora_service.runs.candidate import Reference
 from drivora_service.search.genes import Block, GeneSpace
 
@@ -40,6 +41,7 @@ class Proposal:
             not have changed the run of any ego.
         reference: Paths with which those of its egos are compared; ``None`` for none. It is not
             stored, as a tester proposes the same again.
+        adversary: Adversary that acts during its run; ``None`` for none.
     """
 
     values: FloatArray
@@ -48,6 +50,7 @@ class Proposal:
     parents: tuple[int, ...] = ()
     redrawn: int = 0
     reference: Reference | None = None
+    adversary: AdversarySource | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -105,6 +108,27 @@ class Tester(Protocol):
         ...
 
 
+class Checkpoints(Protocol):
+    """The checkpoints of a tester: its state after some evaluations.
+
+    They only save time: a tester without them comes to the same state by the evaluations that it is
+    told again.
+    """
+
+    def last(self) -> tuple[int, bytes] | None:
+        """Returns the latest checkpoint of which all evaluations will be told again.
+
+        Returns:
+            The number of evaluations that the tester had been told, and its state; ``None`` if
+            there is none.
+        """
+        ...
+
+    def save(self, told: int, state: bytes) -> None:
+        """Keeps the state after ``told`` evaluations."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TesterContext:
     """The context of a tester.
@@ -119,6 +143,8 @@ class TesterContext:
             scenarios that cannot be told apart by their runs. ``None``: not known.
         ego_distance: Returns from a block of an actor or patch and (d,) genes how many metres from
             an ego's start it appears; ``None`` for other blocks. ``None``: not known.
+        checkpoints: Place for checkpoints of testers that need long to rebuild their state;
+            ``None``: none are kept.
     """
 
     space: GeneSpace
@@ -127,3 +153,4 @@ class TesterContext:
     conflicts: BoolArray | None = None
     decode_alike: Callable[[FloatArray, FloatArray], bool] | None = None
     ego_distance: Callable[[Block, FloatArray], float | None] | None = None
+    checkpoints: Checkpoints | None = None

@@ -2,9 +2,13 @@
 
 Vehicles that replay their path, walkers and obstacles move so in an episode, too. A reactive
 vehicle, which brakes for others, is never further on its path than planned, but may be later.
+Actors that join the episode do so at their times, and the weather changes at its times.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,13 +17,14 @@ from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.ground import patch_array
 from drivora_service.observations.planned_motion import PlannedMotion
 from drivora_service.observations.trace import Col
-from drivora_service.scenario.model import NpcBehavior, Scenario
-from drivora_service.scenario.weather import weather_effects
+from drivora_service.scenario.model import NpcBehavior, NpcWalker, Scenario
 from drivora_service.simulation.arrays import lay_followers
+from drivora_service.simulation.changes import Joining, join_step, weather_by_step
 from drivora_service.simulation.follower_state import FollowerCol, Reaction
 from drivora_service.simulation.followers import advance_followers
 from drivora_service.simulation.plan import (
     FollowerPlan,
+    PatchPlan,
     plan_npc,
     plan_obstacle,
     plan_patch,
@@ -39,15 +44,17 @@ def planned_motions(
         network: Its road network.
         until: Seconds of simulation time up to which they are needed.
     """
-    friction = weather_effects(scenario.weather).friction
+    weather_at = weather_by_step(scenario)
     vehicles = [npc for npc in scenario.npc_vehicles if npc.behavior is not NpcBehavior.SUMO]
     patches = tuple(plan_patch(patch, network) for patch in scenario.friction_patches)
-    plans = [plan_npc(npc, network, friction, patches) for npc in vehicles]
-    plans += [plan_walker(walker, network) for walker in scenario.npc_walkers]
     count = round(until / scenario.step_length) + 1
+    # Row 0 is made before the first step, in the weather of the beginning.
+    frictions = [weather_at(row - 1).friction for row in range(count)]
+    actors: Sequence[Joining] = (*vehicles, *scenario.npc_walkers)
+    plans = [_plan(one, network, scenario.step_length, frictions, patches) for one in actors]
     times = scenario.step_length * np.arange(count, dtype=np.float64)
     laid = patch_array([patch.recorded() for patch in patches])
-    states, present = _advanced(plans, count, scenario.step_length, friction, laid)
+    states, present = _advanced(plans, scenario.step_length, frictions, laid)
     moving = tuple(
         PlannedMotion(
             id=plan.id,
@@ -77,10 +84,34 @@ def planned_motions(
     return (*moving, *standing)
 
 
+def _plan(
+    actor: Joining,
+    network: RoadNetwork,
+    step_length: float,
+    frictions: Sequence[float],
+    patches: tuple[PatchPlan, ...],
+) -> FollowerPlan:
+    """Prepares an actor as the episode does: one that joins it, in the weather of that time."""
+    first = join_step(actor.start_time, step_length) + 1 if actor.joins else 0
+    if isinstance(actor, NpcWalker):
+        plan = plan_walker(actor, network)
+    else:
+        plan = plan_npc(actor, network, frictions[min(first, len(frictions) - 1)], patches)
+    return replace(plan, start_time=max(plan.start_time, first * step_length))
+
+
 def _advanced(
-    plans: list[FollowerPlan], count: int, step: float, friction: float, patches: FloatArray
+    plans: list[FollowerPlan], step: float, frictions: Sequence[float], patches: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """Returns (count, F, 9) states and (count, F) presence of followers that react to nothing."""
+    """Returns (n, F, 9) states and (n, F) presence of followers that react to nothing.
+
+    Args:
+        plans: The F followers.
+        step: Seconds between rows.
+        frictions: Friction coefficients of the road beside patches on the way to each of n rows.
+        patches: (P, 8) places with less, columns ``ground.PatchCol``.
+    """
+    count = len(frictions)
     states = np.full((count, len(plans), len(Col)), np.nan)
     present = np.zeros((count, len(plans)), dtype=np.bool_)
     if not plans:
@@ -89,7 +120,7 @@ def _advanced(
     followers.state[:, FollowerCol.REACTION] = Reaction.NONE
     sizes = np.array([(plan.model.length, plan.model.width) for plan in plans], dtype=np.float64)
     nobody = np.zeros(len(plans), dtype=np.bool_)
-    for row in range(count):
+    for row, friction in enumerate(frictions):
         advance_followers(
             (row - 1) * step, step, friction, patches, followers.places, followers.path,
             followers.state, states[row - 1], sizes, nobody, states[row], present[row],

@@ -189,7 +189,7 @@ class EpisodePlan:
 
 
 def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
-    """Prepares an episode.
+    """Prepares an episode; actors that join it are prepared when they do.
 
     Raises:
         NoRoute: If there is no route for an actor; validation rules that out.
@@ -199,8 +199,12 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
     egos = tuple(_plan_ego(ego, network) for ego in scenario.ego_vehicles)
     vehicles = [npc for npc in scenario.npc_vehicles if npc.behavior is not NpcBehavior.SUMO]
     patches = tuple(plan_patch(patch, network) for patch in scenario.friction_patches)
-    followers = [plan_npc(npc, network, weather.friction, patches) for npc in vehicles]
-    followers += [plan_walker(walker, network) for walker in scenario.npc_walkers]
+    followers = [
+        plan_npc(npc, network, weather.friction, patches) for npc in vehicles if not npc.joins
+    ]
+    followers += [
+        plan_walker(walker, network) for walker in scenario.npc_walkers if not walker.joins
+    ]
     programs = run_programs(
         network.programs, scenario.traffic_lights, step_length=scenario.step_length
     )
@@ -215,7 +219,7 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
         driven=tuple(
             plan_driven(npc, network)
             for npc in scenario.npc_vehicles
-            if npc.behavior is NpcBehavior.SUMO
+            if npc.behavior is NpcBehavior.SUMO and not npc.joins
         ),
         obstacles=tuple(plan_obstacle(item, network) for item in scenario.npc_obstacles),
         patches=patches,

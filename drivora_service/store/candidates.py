@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
+from drivora_service.runs.adversary import AdversarySource
 from drivora_service.runs.candidate import Candidate, CandidateSource, Reference, SpaceSource
 from drivora_service.shapes import adapter, to_json
 
@@ -23,6 +24,22 @@ def source_to_json(source: CandidateSource) -> str:
     }
     if source.reference is not None:
         content["reference"] = source.reference.paths
+    if source.adversary is not None:
+        content["adversary"] = asdict(source.adversary)
+    return json.dumps(content)
+
+
+def without_policy(text: str) -> str:
+    """Returns what :func:`source_to_json` wrote with a hash in place of the adversary's policy.
+
+    A policy is large, and is not needed once the run has ended.
+    """
+    content = json.loads(text)
+    adversary = content.get("adversary")
+    if adversary is None or "policy" not in adversary:
+        return text
+    policy = adversary.pop("policy")
+    adversary["policy_sha256"] = hashlib.sha256(policy.encode()).hexdigest()
     return json.dumps(content)
 
 
@@ -35,12 +52,14 @@ def source_from_json(text: str, seed: str) -> CandidateSource:
     """
     content = json.loads(text)
     paths = content.get("reference")
+    adversary = content.get("adversary")
     return CandidateSource(
         space=SpaceSource(seed=seed, options=content["options"]),
         values=tuple(content["values"]),
         reference=None
         if paths is None
         else Reference(paths=tuple(tuple(map(tuple, path)) for path in paths)),
+        adversary=None if adversary is None else AdversarySource(**adversary),
     )
 
 

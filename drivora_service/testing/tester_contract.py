@@ -22,6 +22,7 @@ from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.runs.adversary import AdversarySource
 from drivora_service.search.components import Components
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.plugin import TesterPlugin
@@ -234,5 +235,6 @@ class TesterContract:
             self.create().ask(0)
 
 
-def _key(proposal: Proposal) -> tuple[bytes, str, int, tuple[int, ...]]:
-    return proposal.values.tobytes(), proposal.origin, proposal.generation, proposal.parents
+def _key(proposal: Proposal) -> tuple[bytes, str, int, tuple[int, ...], AdversarySource | None]:
+    values = proposal.values.tobytes()
+    return values, proposal.origin, proposal.generation, proposal.parents, proposal.adversary

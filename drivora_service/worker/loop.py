@@ -114,7 +114,14 @@ def _report(spec: RunSpec, perform: Perform, task: WorkerTask, board: ProgressBo
             if candidate.problem:
                 return _invalid(spec, candidate.problem)
             repaired = replace(spec.candidate, values=candidate.values)
-            spec = replace(spec, document=candidate.document, candidate=repaired)
+            # An adversary acts while the run is performed.
+            acts = spec.candidate.adversary is not None
+            spec = replace(
+                spec,
+                document=candidate.document,
+                candidate=repaired,
+                prepared=candidate if acts else None,
+            )
         return perform(spec, task.setup, board)
     except SimulatorError as error:
         return _raised(spec, RunStatus.SIMULATOR_CRASHED, SIMULATOR_ERROR, error)

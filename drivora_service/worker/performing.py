@@ -9,12 +9,13 @@ import time
 import traceback
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
+from drivora_service.adversaries.playing import Table, play
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.interface import Agent
 from drivora_service.agents.sumo_driver import SumoDriver
@@ -40,12 +41,14 @@ from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatu
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.scenario.overrides import with_overrides
+from drivora_service.simulation.changes import changes_anything
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.phase import RunPhase
 from drivora_service.simulation.plan import EpisodePlan, plan_episode
 from drivora_service.simulation.sumo import SUMO_ERRORS
 from drivora_service.worker.catalogues import agents_of, installed_oracles, networks_of
 from drivora_service.worker.integrity import judging_code, sentence
+from drivora_service.worker.interventions import leave_scenario
 from drivora_service.worker.measuring import is_built_in, make_feedback, measure_run
 from drivora_service.worker.preparing import space_of_candidates
 from drivora_service.worker.progress import BOARD_CELLS, ProgressBoard
@@ -98,7 +101,7 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
     cells[0] = RunPhase.PREPARING
     course = _Course(started=time.perf_counter(), versions=_versions())
     try:
-        return _perform(spec, setup, cells, course)
+        return _perform(spec, setup, board, cells, course)
     except AgentError as error:
         failure = RunFailure(cause=error.cause, message=str(error), log=error.log)
         # No error of the ADS is known; another attempt may succeed.
@@ -127,6 +130,7 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
 def _perform(
     spec: RunSpec,
     setup: WorkerSetup,
+    board: ProgressBoard | None,
     cells: np.ndarray[tuple[int], np.dtype[np.int64]],
     course: _Course,
 ) -> RunReport:
@@ -147,6 +151,7 @@ def _perform(
     cells[4] = any(catalogue.is_in_process(e.agent.name) for e in scenario.ego_vehicles)
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
     feedback = None if spec.feedback is None else make_feedback(spec.feedback)
+    adversary = None if spec.candidate is None else spec.candidate.adversary
     has_guests = any(catalogue.may_read_sumo(e.agent.name) for e in scenario.ego_vehicles)
     code.has_met_others |= has_guests
     episode = Episode(
@@ -155,15 +160,20 @@ def _perform(
         privileged=[catalogue.entry(e.agent.name).privileged for e in scenario.ego_vehicles],
         cells=cells,
         mirrored=has_guests,
-        holding=True,
+        holding=adversary is None,
     )
     cells[0] = RunPhase.SIMULATING
     begun = time.perf_counter()
-    while not episode.done:
-        episode.step()
+    tables: Mapping[str, Table] = {}
+    if adversary is None:
+        while not episode.done:
+            episode.step()
+        trace = episode.finish()
+    else:
+        played = play(episode, adversary, partial(leave_scenario, board, spec))
+        trace, tables = played.trace, played.tables
     course.stepping = time.perf_counter() - begun
     cells[0] = RunPhase.JUDGING
-    trace = episode.finish()
     if changes := code.changes():
         raise _changed_by_agent(changes, course)
     trace.meta["versions"] = course.versions
@@ -214,6 +224,7 @@ def _perform(
         # Last, so that code of plug-ins cannot change the input of the others.
         if feedback is not None and spec.feedback is not None:
             measured = measure_run(spec.feedback.name, feedback, view)
+            measured = replace(measured, features={**measured.features, **tables})
             report = replace(report, measurement=measured)
         own = judge_all(trace, network, installed, view=view)
         if changes := code.changes():
@@ -232,8 +243,8 @@ def _perform(
 def _without_effect(
     spec: RunSpec, setup: WorkerSetup, plan: EpisodePlan, trace: Trace, *, is_bounded: bool
 ) -> tuple[int, ...]:
-    """Returns the genes without an effect; none if the document was not made of genes."""
-    if spec.candidate is None:
+    """Returns the genes without an effect; none if the document was not made of genes alone."""
+    if spec.candidate is None or spec.candidate.adversary is not None:
         return ()
     space = space_of_candidates(spec.candidate.space, setup)
     values = np.array(spec.candidate.values)
@@ -241,10 +252,14 @@ def _without_effect(
 
 
 def _is_bounded(plan: EpisodePlan, agents: Sequence[Agent | SumoDriver], trace: Trace) -> bool:
-    """Returns whether agents perceive only what is near, and SUMO drives no actor."""
+    """Returns whether agents perceive only what is near, and SUMO drives no actor.
+
+    Neither is known of an episode that changes while it runs.
+    """
     flow = plan.scenario.background_traffic
     return not (
         plan.driven
+        or changes_anything(plan.scenario)
         or (flow is not None and flow.count)
         or any(trace.privileged)
         or any(isinstance(agent, SumoDriver) for agent in agents)

@@ -32,6 +32,7 @@ def trace_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     example = _ROOT / "openscenario_schemas" / "examples" / "three-drivers.json"
     document = json.loads(example.read_text())
     document["max_sim_time"] = 8.0
+    document["weather_changes"] = [{"time": 4.0, "weather": {"wetness": 50.0}}]
     crashing = document["ego_vehicles"][2]
     crashing["initial_speed"] = 12.0
     start = crashing["route"][0]

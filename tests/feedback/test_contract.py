@@ -15,6 +15,7 @@ from drivora_service.feedback.avfuzzer import AVFUZZER
 from drivora_service.feedback.behavexplor import BEHAVEXPLOR
 from drivora_service.feedback.catalogue import BUILT_IN
 from drivora_service.feedback.decictor import DECICTOR
+from drivora_service.feedback.deepcollision import DEEPCOLLISION
 from drivora_service.feedback.doppeltest import DOPPELTEST
 from drivora_service.feedback.drivefuzz import DRIVEFUZZ
 from drivora_service.feedback.general import GENERAL
@@ -43,6 +44,10 @@ class TestDecictor(FeedbackContract):
 
     def runs(self) -> tuple[Trace, ...]:
         return (*super().runs(), *map(_compared, super().runs()))
+
+
+class TestDeepcollision(FeedbackContract):
+    plugin = DEEPCOLLISION
 
 
 class TestDoppelTest(FeedbackContract):

@@ -91,9 +91,10 @@ def test_every_objective_is_described() -> None:
             "general",
             "avfuzzer",
             "behavexplor",
-            "doppeltest",
             "samota",
+            "doppeltest",
             "drivefuzz",
+            "deepcollision",
             "decictor",
         )
         for objective in catalogue.create(FeedbackChoice(name=name)).objectives

@@ -10,7 +10,7 @@ from matplotlib.image import imread
 
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.observations.ground import PATCHES_KEY
+from drivora_service.observations.conditions import PATCHES_KEY
 from drivora_service.observations.trace import Role, Trace
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.oracles.violation_marks import marks_of

@@ -99,11 +99,12 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
             at_end=st.sampled_from(["leave", "stay"]),
             deceleration=accelerations,
             lateral_acceleration=accelerations,
+            joins=st.booleans(),
         ),
     )
     walkers = st.fixed_dictionaries(
         {"model": st.just("walker.pedestrian.0001"), "route": routes(1)},
-        optional=optional(start_time=times),
+        optional=optional(start_time=times, joins=st.booleans()),
     )
     obstacles = st.fixed_dictionaries(
         {"model": st.just("static.prop.trafficcone01"), "location": locations},
@@ -133,6 +134,11 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
                 version=st.just("1.0"),
                 frame=st.sampled_from(["sumo", "carla"]),
                 weather=weather,
+                weather_changes=st.lists(
+                    st.fixed_dictionaries({"time": times, "weather": weather}),
+                    max_size=3,
+                    unique_by=lambda change: change["time"],
+                ).map(lambda changes: sorted(changes, key=lambda change: change["time"])),
                 traffic_lights=light_times,
                 background_traffic=st.fixed_dictionaries(
                     {"count": st.integers(0, 20)}, optional=optional(start_time=times)

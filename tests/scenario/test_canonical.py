@@ -55,6 +55,22 @@ def test_spelling_does_not_matter(networks: NetworkCatalogue, content: dict[str,
     assert scenario_sha256(one) == scenario_sha256(other)
 
 
+def test_later_fields_leave_the_identity_of_older_scenarios() -> None:
+    """The hash is that which scenarios had before actors could join and weather change."""
+    walker = model.NpcWalker(id="w", model="walker.pedestrian.0001", route=())
+    scenario = dataclasses.replace(PLAIN, npc_walkers=(walker,))
+    text = canonical_json(scenario)
+    assert "joins" not in text
+    assert "weather_changes" not in text
+    joined = dataclasses.replace(
+        scenario,
+        npc_walkers=(dataclasses.replace(walker, joins=True),),
+        weather_changes=(model.WeatherChange(time=1.0, weather=model.Weather()),),
+    )
+    assert from_canonical(canonical_json(joined)) == joined
+    assert len({scenario_sha256(one) for one in (PLAIN, scenario, joined)}) == 3
+
+
 def test_names_and_numbers_are_normal(networks: NetworkCatalogue, good: dict[str, Any]) -> None:
     network = networks.get("tee-town")
     first = to_scenario(parse_document(good), network)

@@ -27,6 +27,7 @@ SECTIONS = {
     "WalkerWaypointDocument": "Waypoints of walkers",
     "LocationDocument": "location",
     "WeatherDocument": "weather",
+    "WeatherChangeDocument": "weather_changes",
     "TrafficLightsDocument": "traffic_lights",
     "LightTimesDocument": "junctions",
     "BackgroundTrafficDocument": "background_traffic",

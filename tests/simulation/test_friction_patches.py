@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from drivora_service.agents.interface import AccelerationControl
 from drivora_service.networks.projection import nearest_lane_position
-from drivora_service.observations.ground import PATCHES_KEY, patch_array
+from drivora_service.observations.conditions import PATCHES_KEY
+from drivora_service.observations.ground import patch_array
 from drivora_service.observations.trace import Col
 from drivora_service.scenario.model import (
     BackgroundTraffic,

@@ -11,7 +11,7 @@ import numpy as np
 
 from drivora_service.errors import UnknownName
 from drivora_service.geometry.arrays import FloatArray
-from drivora_service.observations.ground import trace_frictions
+from drivora_service.observations.conditions import frictions_under, perception_ranges
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Role, Trace
 from drivora_service.oracles.avoidability.braking import careful_braking, instant_braking
@@ -59,14 +59,14 @@ def assess(
         driver: The careful driver; by default that of the regulation.
     """
     driver = driver or CarefulDriver()
-    friction = ego.trace.meta.get("friction")
-    if friction is None:
+    under = frictions_under(ego.trace, ego.actor, ego.first, ego.states[: k + 1])
+    if np.isnan(under).any():
         return _unknown("the trace does not record the grip of the road")
     if k < 1:
         return _unknown("the contact is in the ego's first row: nothing is recorded before it")
-    grip = float(friction) * GRAVITY
     replay = cut_out(ego, k, counterpart)
-    under = trace_frictions(ego.trace, ego.actor, ego.states[: k + 1])[-replay.contact - 1 :]
+    grip = replay.friction * GRAVITY
+    under = under[-replay.contact - 1 :]
     model = _model(ego.trace, ego.row)
     brakes = model.max_deceleration if model is not None else np.inf
     perceived = perceive_risk(
@@ -77,7 +77,7 @@ def assess(
         # Where the way is slippery, braking takes longer, and the driver looks farther ahead.
         grip=float(under.min()) * GRAVITY,
         heights=_heights(ego.trace),
-        sight=float(ego.trace.meta.get("perception_range", np.inf)),
+        sight=perception_ranges(ego.trace, replay.first, replay.contact),
     )
     breach = own_breach(ego, k)
     # An ego in breach is assumed to know the risk from the start of the record on.

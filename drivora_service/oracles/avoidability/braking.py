@@ -29,8 +29,8 @@ def latest_braking(
         replay: The collision.
         delay: Seconds until deceleration begins; until then the ego drives as recorded.
         full: The full deceleration, m/s².
-        grip: Friction of the road times gravity, m/s²; slippery places have less, and what bends
-            need of it is not available for braking.
+        grip: Highest friction of the road times gravity, m/s²; slippery places and worse weather
+            leave less, and what bends need of it is not available for braking.
         jerk: m/s³ with which the deceleration grows.
         earliest: First row to consider.
     """
@@ -57,6 +57,7 @@ def brakes_clear(
         replay.present,
         replay.sizes,
         replay.walks,
+        replay.road,
         replay.patches,
     )
     return clear
@@ -164,6 +165,7 @@ def _brakes_clear(
     present: BoolArray,
     sizes: FloatArray,
     walks: BoolArray,
+    road: FloatArray,
     patches: FloatArray,
 ) -> bool:
     delay, full, road_grip, jerk, wheelbase = limits
@@ -179,7 +181,7 @@ def _brakes_clear(
             arc, speed = path[t + 1, 0], recorded[t + 1]
         else:
             wanted = full if jerk == math.inf else min(max(jerk * (since - 0.5 * step), 0.0), full)
-            grip = road_grip * vehicle_friction(x, y, 0.0, yaw, wheelbase, 1.0, patches)
+            grip = road_grip * vehicle_friction(x, y, 0.0, yaw, wheelbase, road[t], patches)
             side = speed * speed * path[i, 4]
             left = math.sqrt(max(grip * grip - side * side, (_LEAST_SHARE * grip) ** 2))
             braking = min(wanted, left)

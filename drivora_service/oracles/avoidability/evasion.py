@@ -52,7 +52,8 @@ def find_evasion(
         replay: The collision.
         network: The network with the drivable area.
         row: Row of the replay.
-        grip: Friction of the road times gravity, m/s²; slippery places have less.
+        grip: Highest friction of the road times gravity, m/s²; slippery places and worse weather
+            leave less.
         brakes: Full deceleration of the vehicle, m/s².
         wheelbase: Metres.
         max_steer: Radians at the front wheels.
@@ -78,6 +79,7 @@ def find_evasion(
                     replay.present,
                     replay.sizes,
                     replay.walks,
+                    replay.road,
                     replay.patches,
                     poses,
                 )
@@ -105,6 +107,7 @@ def _evade(
     present: BoolArray,
     sizes: FloatArray,
     walks: BoolArray,
+    road: FloatArray,
     patches: FloatArray,
     poses: FloatArray,
 ) -> int:
@@ -118,12 +121,9 @@ def _evade(
     turn_back = False
     straight = False
     count = len(poses)
-    grip = road_grip * vehicle_friction(x, y, 0.0, yaw, wheelbase, 1.0, patches)
-    braking = min(share * grip, brakes)
     for t in range(count):
-        if patches.shape[0] > 0:
-            grip = road_grip * vehicle_friction(x, y, 0.0, yaw, wheelbase, 1.0, patches)
-            braking = min((_STRAIGHT_SHARE if straight else share) * grip, brakes)
+        grip = road_grip * vehicle_friction(x, y, 0.0, yaw, wheelbase, road[row + t], patches)
+        braking = min((_STRAIGHT_SHARE if straight else share) * grip, brakes)
         slower = max(speed - braking * step, 0.0)
         mean = 0.5 * (speed + slower)
         speed = slower

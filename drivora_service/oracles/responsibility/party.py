@@ -14,7 +14,7 @@ from drivora_service.geometry.lines import arc_lengths
 from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.observations.ground import trace_frictions
+from drivora_service.observations.conditions import frictions_under
 from drivora_service.observations.trace import Actor, Col, Trace
 from drivora_service.oracles.responsibility.lane_areas import intrusion, lane_areas
 
@@ -61,7 +61,7 @@ class Party:
         self.from_beginning = self.first == 0
         self.appeared = self.first > 0 and not trace.present[self.first - 1, actor.row]
         self.grip: FloatArray = GRAVITY * np.nan_to_num(
-            trace_frictions(trace, actor, self.states), nan=math.inf
+            frictions_under(trace, actor, self.first, self.states), nan=math.inf
         )
         self._areas = lane_areas(network)
 

@@ -51,6 +51,13 @@ def settings(document: ScenarioDocument) -> list[Edit]:
     """Returns the removal of each setting of weather, lights, region, extensions and run."""
     content = content_of(document)
     places: list[Place] = [("weather", name) for name in content.get("weather", ())]
+    places += [
+        ("weather_changes", index) for index in range(len(content.get("weather_changes", ())))
+    ]
+    for index, change in enumerate(content.get("weather_changes", ())):
+        places += [
+            ("weather_changes", index, "weather", name) for name in change.get("weather", ())
+        ]
     places += _light_places(content.get("traffic_lights", {}))
     places += [("extensions", name) for name in content.get("extensions", ())]
     places += [(name,) for name in _SETTINGS if name in content]

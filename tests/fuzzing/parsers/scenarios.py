@@ -122,7 +122,17 @@ SCENARIO_JSON = Harness(
     name="scenario-json",
     parse=_parse_json,
     seeds=_json_seeds,
-    words=('"replay"', '"sumo"', '"carla"', '"config_path"', '"density"', '"stuck_after"'),
+    words=(
+        '"replay"',
+        '"sumo"',
+        '"carla"',
+        '"config_path"',
+        '"density"',
+        '"stuck_after"',
+        '"joins"',
+        '"weather_changes"',
+        '"time"',
+    ),
 )
 SCENARIO_YAML = Harness(name="scenario-yaml", parse=_parse_yaml, seeds=_yaml_seeds)
 BATCH_LINE = Harness(name="batch-line", parse=_parse_line, seeds=_line_seeds)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from drivora_service.metrics.ego_series import ego_series
-from drivora_service.observations.ground import PATCHES_KEY
+from drivora_service.observations.conditions import PATCHES_KEY
 from drivora_service.observations.trace import Trace
 from drivora_service.oracles.avoidability.braking import latest_braking
 from drivora_service.oracles.avoidability.driver import GRAVITY

@@ -4755,6 +4755,12 @@ export interface components {
              */
             lateral_acceleration: number | null;
             /**
+             * Joins
+             * @description Whether it is added to the running episode at start_time, behind all other actors, instead of being one of its actors from the beginning.
+             * @default false
+             */
+            joins: boolean;
+            /**
              * Model
              * @description A vehicle model.
              */
@@ -4781,6 +4787,12 @@ export interface components {
              * @description Unique among all actors.
              */
             id: string;
+            /**
+             * Joins
+             * @description Whether it is added to the running episode at start_time, behind all other actors, instead of being one of its actors from the beginning.
+             * @default false
+             */
+            joins: boolean;
             /**
              * Model
              * @description A walker model.
@@ -5890,6 +5902,12 @@ export interface components {
             version: "1.0";
             /** @description Weather; clear by default. */
             weather?: components["schemas"]["WeatherDocument"];
+            /**
+             * Weather Changes
+             * @description Changes of the weather during the run, in the order of their times.
+             * @default []
+             */
+            weather_changes: components["schemas"]["WeatherChangeDocument"][];
         };
         /**
          * ScenarioKind
@@ -7468,6 +7486,19 @@ export interface components {
              * @default null
              */
             z: number | null;
+        };
+        /**
+         * WeatherChangeDocument
+         * @description A change of the weather during the run.
+         */
+        WeatherChangeDocument: {
+            /**
+             * Time
+             * @description From this time on the weather is this one.
+             */
+            time: number;
+            /** @description The whole weather from then on. */
+            weather: components["schemas"]["WeatherDocument"];
         };
         /**
          * WeatherDocument
