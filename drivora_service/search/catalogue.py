@@ -16,10 +16,18 @@ from drivora_service.search.tester import Tester, TesterContext
 from drivora_service.search.testers.avfuzzer.search import AVFUZZER
 from drivora_service.search.testers.behavexplor.tester import BEHAVEXPLOR
 from drivora_service.search.testers.doppeltest.tester import DOPPELTEST
+from drivora_service.search.testers.lawbreaker.search import LAWBREAKER
 from drivora_service.search.testers.random_search import RANDOM
 from drivora_service.search.testers.samota.tester import SAMOTA
 
-BUILT_IN: tuple[TesterPlugin[Any], ...] = (RANDOM, AVFUZZER, BEHAVEXPLOR, DOPPELTEST, SAMOTA)
+BUILT_IN: tuple[TesterPlugin[Any], ...] = (
+    RANDOM,
+    AVFUZZER,
+    BEHAVEXPLOR,
+    DOPPELTEST,
+    LAWBREAKER,
+    SAMOTA,
+)
 BUILT_IN_MUTATIONS = (GAUSSIAN, REDRAW_BLOCK, REDRAW_GENE, REDRAW_SLICE)
 BUILT_IN_SELECTIONS = (RANDOM_SELECTION, ROULETTE, TOURNAMENT, TRUNCATION)
 

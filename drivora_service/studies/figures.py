@@ -16,6 +16,7 @@ from drivora_service.search.genes import GeneSpace
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.shapes import Shape
 from drivora_service.store.campaign_records import EvaluationRecord
+from drivora_service.studies.law_coverage import law_coverage
 
 _LEVELS = 4
 """Number of levels of a gene's range for counting tried combinations."""
@@ -52,6 +53,8 @@ class CampaignFigures(Shape):
         own_s: Seconds of the method itself: asking, telling, repairing, decoding, checking.
         network_coverage: Share of the network's drivable lanes, by length, on which actors were
             placed or planned; ``None``: not known (see ``studies.road_coverage``).
+        law_coverage: Share of the ways to violate the traffic laws that judged its runs which some
+            run showed (``studies.law_coverage``); ``None``: no law judged them.
         first_failure_s: Seconds of one worker up to the first failure, the method's own included;
             ``None``: none found.
         time_limit_s: Seconds after which evaluations were left out, for a comparison at equal time;
@@ -81,6 +84,7 @@ class CampaignFigures(Shape):
     simulation_s: float
     own_s: float
     network_coverage: float | None = None
+    law_coverage: float | None = None
     first_failure_s: float | None = None
     time_limit_s: float | None = None
     budget: int | None = None
@@ -174,6 +178,7 @@ def figures_of(
         simulation_s=sum(r.report.wall_time_s for r in simulated),
         own_s=sum(r.search_s + r.prepare_s for r in records),
         network_coverage=network_coverage,
+        law_coverage=law_coverage(v for r in simulated for v in r.report.verdicts),
         first_failure_s=first_s,
         time_limit_s=time_limit_s,
         budget=budget,

@@ -143,6 +143,12 @@ def _measured(figures: CampaignFigures) -> list[tuple[str, str]]:
             "not known" if covered is None else f"{covered:.1%} of the drivable lanes",
         ),
         (
+            "coverage of traffic laws",
+            "not known"
+            if figures.law_coverage is None
+            else f"{figures.law_coverage:.1%} of the ways to violate them",
+        ),
+        (
             "time of the method",
             f"{figures.own_s:.2f} s, {figures.own_share:.1%} of the {figures.simulation_s:.1f} s "
             "of simulation",

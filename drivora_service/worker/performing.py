@@ -142,7 +142,11 @@ def _perform(
     course.agents = {ego.id: catalogue.completed(ego.agent) for ego in scenario.ego_vehicles}
     cells[4] = any(catalogue.is_in_process(e.agent.name) for e in scenario.ego_vehicles)
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
-    feedback = None if spec.feedback is None else make_feedback(spec.feedback)
+    feedback = (
+        None
+        if spec.feedback is None
+        else make_feedback(spec.feedback, tuple(judge.law for judge in laws))
+    )
     has_guests = any(catalogue.may_read_sumo(e.agent.name) for e in scenario.ego_vehicles)
     code.has_met_others |= has_guests
     episode = Episode(

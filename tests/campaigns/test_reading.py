@@ -21,6 +21,7 @@ from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.search.space.options import SpaceOptions
 from tests.oracles.installing import install_oracles
+from tests.oracles.laws.laws import source_of
 
 Change = Callable[[dict[str, Any]], object]
 
@@ -331,3 +332,33 @@ def test_the_networks_of_several_seed_scenarios_are_named_together(
     valid = read_campaign(content, catalogues)
     assert valid.town == "tee-town, old-town"
     assert valid.network_sha256 != alone
+
+
+def test_a_law_that_is_searched_for_must_exist(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["tester"] = {
+        "name": "lawbreaker",
+        "parameters": {"laws": ["law_45_speed_limit", "law_45_speed"]},
+    }
+    with pytest.raises(InvalidDocument) as refused:
+        read_campaign(content, catalogues)
+    (problem,) = refused.value.problems
+    assert problem.pointer == "/tester/parameters/laws/1"
+    assert "unknown law 'law_45_speed'; did you mean 'law_45_speed_limit'" in problem.message
+    content["tester"]["parameters"] = {"laws": ["law_45_speed_limit"]}
+    assert read_campaign(content, catalogues).campaign.tester.name == "lawbreaker"
+
+
+def test_a_search_by_laws_depends_on_the_users_files(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    own = Catalogues(catalogues.networks, laws=(source_of("speed < 3"),))
+    assert "laws/own.yaml" not in read_campaign(content, own).versions
+    content["oracles"] = ["collision", "own_law"]
+    assert "laws/own.yaml" in read_campaign(content, own).versions
+    content["oracles"] = ["collision"]
+    content["tester"] = {"name": "lawbreaker"}
+    assert "laws/own.yaml" in read_campaign(content, own).versions
+    changed = Catalogues(catalogues.networks, laws=(source_of("speed < 4"),))
+    assert read_campaign(content, own).versions != read_campaign(content, changed).versions

@@ -28,6 +28,7 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "behavexplor": (MOTORWAY, {}),
     "samota": (MOTORWAY, {"initial": 12}),
     "doppeltest": (JUNCTION, {}),
+    "lawbreaker": (MOTORWAY, {"generations": 3}),
 }
 """Campaign and parameters by method, such that each of its steps is made within the budget."""
 

@@ -102,7 +102,13 @@ def test_a_measure_that_some_do_not_have_gives_no_row() -> None:
 def test_every_measure_can_be_compared() -> None:
     known = [
         replace(
-            f, groups=1, situations=1, network_coverage=0.3, first_failure=3, first_failure_s=1.0
+            f,
+            groups=1,
+            situations=1,
+            network_coverage=0.3,
+            law_coverage=0.2,
+            first_failure=3,
+            first_failure_s=1.0,
         )
         for f in study(2)
     ]

@@ -24,7 +24,7 @@ from drivora_service.api.schemas.catalogues import (
 )
 from drivora_service.api.security import reader
 from drivora_service.errors import SearchError
-from drivora_service.feedback.descriptions import OBJECTIVES
+from drivora_service.feedback.descriptions import OBJECTIVES, law_objectives
 from drivora_service.metrics.descriptions import METRICS
 from drivora_service.parameters import describe_parameters
 
@@ -61,9 +61,11 @@ def list_oracles(request: Request, context: Context) -> Response:
 @router.get(
     "/metrics:describe", response_model=MeasureList, responses=answers(examples.MEASURES, 401, 403)
 )
-def describe_metrics(request: Request) -> Response:
+def describe_metrics(request: Request, context: Context) -> Response:
     """Describes the metrics of runs and the objectives of searches."""
-    return json_answer(request, MeasureList, MeasureList(items=(*METRICS, *OBJECTIVES)))
+    library = context.oracles.library
+    laws = law_objectives([library.law(name) for name in library.names()])
+    return json_answer(request, MeasureList, MeasureList(items=(*METRICS, *OBJECTIVES, *laws)))
 
 
 def _agent(catalogue: AgentCatalogue, name: str) -> Agent:

@@ -52,7 +52,8 @@ class LawOracle:
         violations = _merged(stretches(robustness < 0.0), ego.step_length)
         if not violations:
             message = f"Kept (robustness {least:+.2f})."
-            return [passed(self.name, ego, message, robustness=least)]
+            ways = len(self.law.sub_violations)
+            return [passed(self.name, ego, message, robustness=least, ways=ways)]
         curve = _curve(ego, robustness)
         return [self._violated(ego, robustness, first, last, curve) for first, last in violations]
 
@@ -68,7 +69,7 @@ class LawOracle:
         least = float(robustness[worst])
         how = self._ways(_over(ego, beyond=LEAST), first, last)
         # Near an end of the record it may be known that the law is violated, but not how.
-        how = how or self._ways(_over(ego, beyond=MOST), first, last)
+        perhaps = [] if how else self._ways(_over(ego, beyond=MOST), first, last)
         seconds = float(ego.times[last - 1] - ego.times[first])
         during = f"for {seconds:.1f} s" if last - first > 1 else "at one moment"
         return violated(
@@ -82,6 +83,8 @@ class LawOracle:
             until=float(ego.times[last - 1]),
             worst_time=float(ego.times[worst]),
             sub_violations=how,
+            possible_sub_violations=perhaps,
+            ways=len(self.law.sub_violations),
             article=self.law.source,
             formula=self.law.text,
             **curve,
@@ -96,13 +99,11 @@ class LawOracle:
         ]
 
 
-def violation_robustness(ego: EgoView, cases: Sequence[Formula]) -> tuple[float | None, ...]:
-    """Returns the greatest robustness of each violation over an ego's part; None without rows.
+def violation_robustness(ego: EgoView, cases: Sequence[Formula]) -> tuple[float, ...]:
+    """Returns the greatest robustness of each violation over an ego's part, which has rows.
 
     What is not recorded counts against the violation.
     """
-    if not ego.count:
-        return (None,) * len(cases)
     over = _over(ego, beyond=LEAST)
     return tuple(float(over.of(case).max()) for case in cases)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drivora_service.observations.run_view import RunView
+from drivora_service.observations.trace import Light
 from drivora_service.oracles.laws.judging import MOST_POINTS, LawOracle, violation_robustness
 from drivora_service.oracles.verdict import Oracle, Outcome, Severity, Verdict
 from drivora_service.testing.oracle_contract import OracleContract, example_runs
@@ -55,7 +56,9 @@ def _judge(condition: str, ego: SyntheticEgo, severity: str = "minor") -> tuple[
 def test_a_kept_law_has_its_least_robustness() -> None:
     (verdict,) = _judge("speed <= 9", _speeds(3.0, 8.0, 5.0))
     assert verdict.outcome is Outcome.PASSED
-    assert dict(verdict.evidence) == {"robustness": 0.1}, "1 m/s below 9, of a scale of 10 m/s"
+    assert dict(verdict.evidence) == {"robustness": 0.1, "ways": 1}, (
+        "1 m/s below 9, of a scale of 10 m/s"
+    )
 
 
 def test_a_violated_law_says_when_and_how() -> None:
@@ -68,6 +71,7 @@ def test_a_violated_law_says_when_and_how() -> None:
     assert evidence["worst_time"] == 2.0
     assert evidence["until"] == pytest.approx(2.95)
     assert evidence["sub_violations"] == ["speed > 6 and speed_limit > 2"]
+    assert (evidence["possible_sub_violations"], evidence["ways"]) == ([], 3)
     assert evidence["article"] == "nobody"
     assert evidence["formula"] == "always (speed <= 6 and speed_limit > 2)"
     assert verdict.message == "Own law: violated for 2.0 s (robustness -0.30)."
@@ -113,10 +117,14 @@ def test_the_curve_is_bounded_and_keeps_the_extremes() -> None:
 
 
 def test_how_it_is_violated_where_the_record_ends_too_soon_to_tell() -> None:
-    text = "not light_red and always[0:3] light_red"
-    (verdict,) = _judge(text, on_lane(motion=Motion.steady(0.0, 0.0, steps=10), light=0))
+    text = "not light_red and always[1:3] light_red"
+    (verdict,) = _judge(text, on_lane(motion=Motion.steady(0.0, 0.0, steps=10), light=Light.RED))
     assert verdict.outcome is Outcome.VIOLATED
-    assert verdict.evidence["sub_violations"]
+    assert verdict.evidence["sub_violations"] == []
+    assert verdict.evidence["possible_sub_violations"] == [
+        "light_red and always[1:3] (light_red)",
+        "light_red and eventually[1:3] (not light_red)",
+    ]
 
 
 def test_robustness_of_violations_over_a_run() -> None:
@@ -127,9 +135,3 @@ def test_robustness_of_violations_over_a_run() -> None:
     assert only_speed == pytest.approx(0.2)
     assert only_limit == pytest.approx(-0.8)
     assert both == pytest.approx(-0.8)
-
-
-def test_an_ego_without_rows_has_none() -> None:
-    trace = make_trace([on_lane(motion=Motion.steady(0.0, 0.0, steps=5), start_time=60.0)])
-    (ego,) = RunView(trace, ROAD).egos
-    assert violation_robustness(ego, law_of("speed < 3").sub_violations) == (None,)

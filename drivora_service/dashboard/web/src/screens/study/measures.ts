@@ -36,6 +36,11 @@ export const MEASURES: readonly Measure[] = [
     value: ({ network_coverage }) => network_coverage ?? null,
   },
   {
+    name: "law_coverage",
+    title: "coverage of violations of traffic laws",
+    value: ({ law_coverage }) => law_coverage ?? null,
+  },
+  {
     name: "own_share",
     title: "own time over simulation time",
     value: ({ own_share }) => own_share,

@@ -1,0 +1,31 @@
+"""The coverage of traffic laws by a campaign: the ways to violate them that some run showed.
+
+It is read from the verdicts of the laws, which judge the runs of every method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from drivora_service.oracles.verdict import Verdict
+
+
+def law_coverage(verdicts: Iterable[Verdict]) -> float | None:
+    """Returns the share of the sub-violations of all laws that some run covered.
+
+    Args:
+        verdicts: Of all oracles on all runs.
+
+    Returns:
+        0 to 1; ``None`` if no law has judged.
+    """
+    ways: dict[str, int] = {}
+    covered: set[tuple[str, str]] = set()
+    for verdict in verdicts:
+        number = verdict.evidence.get("ways")
+        if not isinstance(number, int):
+            continue
+        ways[verdict.oracle] = number
+        shown = verdict.evidence.get("sub_violations", ())
+        covered.update((verdict.oracle, str(way)) for way in shown)
+    return len(covered) / sum(ways.values()) if ways else None
