@@ -34,6 +34,7 @@ from drivora_service.studies.figures import (
     figures_of,
     within_time,
 )
+from drivora_service.studies.law_coverage import law_verdicts
 from drivora_service.studies.situations import count_situations
 from drivora_service.studies.subjects import Compared, compared_campaigns
 
@@ -123,7 +124,8 @@ def compare_stored(
 def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[EvaluationRecord, ...]:
     """Returns the evaluations of a campaign, without failures that were not repeated.
 
-    Little of the runs' reports is kept, such as their durations: hundreds of campaigns must fit in
+    Little of the runs' reports is kept, such as their durations and which laws they violated:
+    hundreds of campaigns must fit in
     memory.
     """
     journal = StoreJournal(database, campaign_id)
@@ -135,6 +137,7 @@ def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[Evaluat
             status=record.report.status,
             wall_time_s=record.report.wall_time_s,
             privileged=record.report.privileged,
+            verdicts=law_verdicts(record.report.verdicts),
         )
         stands = record.number not in flaky
         kept.append(

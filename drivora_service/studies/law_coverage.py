@@ -6,8 +6,9 @@ It is read from the verdicts of the laws, which judge the runs of every method.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 
-from drivora_service.oracles.verdict import Verdict
+from drivora_service.oracles.verdict import Outcome, Verdict
 
 
 def law_coverage(verdicts: Iterable[Verdict]) -> float | None:
@@ -29,3 +30,25 @@ def law_coverage(verdicts: Iterable[Verdict]) -> float | None:
         shown = verdict.evidence.get("sub_violations", ())
         covered.update((verdict.oracle, str(way)) for way in shown)
     return len(covered) / sum(ways.values()) if ways else None
+
+
+def law_verdicts(verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
+    """Returns what :func:`law_coverage` needs of verdicts; equal ones are one object.
+
+    The evaluations of hundreds of campaigns must fit in memory.
+    """
+    found: dict[int, Verdict] = {}
+    for verdict in verdicts:
+        ways = verdict.evidence.get("ways")
+        if isinstance(ways, int):
+            shown = verdict.evidence.get("sub_violations", ())
+            short = _short(verdict.oracle, ways, tuple(map(str, shown)))
+            found[id(short)] = short
+    return tuple(found.values())
+
+
+@lru_cache(maxsize=4096)
+def _short(oracle: str, ways: int, shown: tuple[str, ...]) -> Verdict:
+    evidence = {"ways": ways, "sub_violations": shown}
+    outcome = Outcome.VIOLATED if shown else Outcome.PASSED
+    return Verdict(oracle=oracle, ego="", outcome=outcome, message="", evidence=evidence)
