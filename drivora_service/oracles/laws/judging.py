@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
+from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
@@ -24,6 +25,8 @@ _PAUSE = 1.0
 """Seconds between violations below which they are one."""
 
 _DECIMALS = 3
+
+_KNOWN: WeakKeyDictionary[EgoView, dict[float, Robustness]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,9 +112,21 @@ def violation_robustness(ego: EgoView, cases: Sequence[Formula]) -> tuple[float,
 
 
 def _over(ego: EgoView, *, beyond: float) -> Robustness:
-    return Robustness(
-        lambda name: signal_values(ego, name), ego.step_length, ego.count, beyond=beyond
-    )
+    """Returns what computes the robustness of all laws over an ego's part, with what it knows."""
+    known = _KNOWN.setdefault(ego, {})
+    if beyond not in known:
+        # It must not keep the view alive, by which it is found.
+        view = ref(ego)
+        known[beyond] = Robustness(
+            lambda name: _values(view, name), ego.step_length, ego.count, beyond=beyond
+        )
+    return known[beyond]
+
+
+def _values(view: ref[EgoView], name: str) -> FloatArray:
+    ego = view()
+    assert ego is not None, "the caller holds the view"
+    return signal_values(ego, name)
 
 
 def _merged(found: list[tuple[int, int]], step_length: float) -> list[tuple[int, int]]:

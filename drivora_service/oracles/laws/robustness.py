@@ -7,7 +7,7 @@ a scale and bounded to [-1, 1], so that no signal outweighs the others, and a fl
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -65,10 +65,8 @@ class Robustness:
                 return np.clip(total / formula.scale, LEAST, MOST)
             case Flag():
                 return np.where((self._signal(formula.signal) > 0.5) == formula.holds, MOST, LEAST)
-            case And():
-                return self._reduced(np.minimum, formula.parts)
-            case Or():
-                return self._reduced(np.maximum, formula.parts)
+            case And() | Or():
+                return self._reduced(formula)
             case Temporal():
                 return self._window(formula)
             case Until():
@@ -76,10 +74,17 @@ class Robustness:
             case Not() | Implies():
                 raise TypeError("robustness is computed of formulas in normal form")
 
-    def _reduced(self, pick: _Pick, parts: Sequence[Formula]) -> FloatArray:
-        picked = self.of(parts[0])
-        for part in parts[1:]:
-            picked = pick(picked, self.of(part))
+    def _reduced(self, formula: And | Or) -> FloatArray:
+        """Joins parts until the result is known: most flags are false throughout a run."""
+        is_and = isinstance(formula, And)
+        pick, last = (np.minimum, LEAST) if is_and else (np.maximum, MOST)
+        picked: FloatArray | None = None
+        for part in sorted(formula.parts, key=lambda one: not isinstance(one, Flag)):
+            found = self.of(part)
+            picked = found if picked is None else pick(picked, found)
+            if (picked.max() if is_and else picked.min()) == last:
+                break
+        assert picked is not None, "a conjunction or disjunction has parts"
         return picked
 
     def _window(self, formula: Temporal) -> FloatArray:
