@@ -165,6 +165,7 @@ def read_campaign(
     ]
     if tester is not None:
         problems += _check_tester(tester, catalogues.testers)
+        problems += _check_laws(tester, catalogues)
     if agent is not None:
         problems += _check_agent(agent, catalogues.agents)
     names = content.get("oracles")
@@ -240,7 +241,10 @@ def _versions(
         **mutation_plugins().versions(tester.mutation),
         **selection_plugins().versions(tester.selection),
     }
-    for oracle in campaign.oracles:
+    oracles = list(campaign.oracles)
+    if _searches_laws(tester.name, catalogues):
+        oracles += catalogues.oracles.library.names()
+    for oracle in oracles:
         found |= catalogues.oracles.versions(oracle)
     for name in sorted({ego.agent.name for seed in seeds for ego in seed.ego_vehicles}):
         found |= catalogues.agents.versions(name)
@@ -339,6 +343,26 @@ def _check_tester(tester: TesterDocument, catalogue: TesterCatalogue) -> Iterato
             yield _unknown(f"/tester/{kind}", error, "")
         except SearchError as error:
             yield Problem(pointer=f"/tester/{kind}", code="plugin", message=str(error))
+
+
+def _searches_laws(name: str, catalogues: Catalogues) -> bool:
+    """Returns whether what a tester is told depends on the traffic laws of the installation."""
+    try:
+        return catalogues.testers.plugin(name).feedback.name == "lawbreaker"
+    except (SearchError, UnknownName):
+        return False
+
+
+def _check_laws(tester: TesterDocument, catalogues: Catalogues) -> Iterator[Problem]:
+    """Checks the names of laws in the parameters of a tester that searches for violations."""
+    names = tester.parameters.get("laws", ())
+    if not isinstance(names, list | tuple) or not _searches_laws(tester.name, catalogues):
+        return
+    known = catalogues.oracles.library.names()
+    for place, name in enumerate(names[:MAX_PROBLEMS]):
+        if isinstance(name, str) and name not in known:
+            pointer = f"/tester/parameters/laws/{place}"
+            yield _unknown(pointer, UnknownName("law", name, known), "`drivora laws list`")
 
 
 def _check_agent(agent: AgentDocument, catalogue: AgentCatalogue) -> Iterator[Problem]:

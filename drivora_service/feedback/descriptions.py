@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 from drivora_service.oracles.descriptions import SHARE, Better, MeasureDescription, MeasureKind
+
+if TYPE_CHECKING:
+    from drivora_service.oracles.laws.law import Law
 
 _OWN = "Drivora"
 _AVFUZZER = "AV-Fuzzer (Li et al. 2020)"
@@ -11,6 +17,7 @@ _DECICTOR = "Decictor (Cheng et al. 2025)"
 _DEEPCOLLISION = "DeepCollision (Lu et al. 2022)"
 _DOPPELTEST = "DoppelTest (Huai et al. 2023)"
 _DRIVEFUZZ = "DriveFuzz (Kim et al. 2022)"
+_LAWBREAKER = "LawBreaker (Sun et al. 2022)"
 _SAMOTA = "SAMOTA (Ul Haq, Shin and Briand 2022)"
 
 
@@ -173,3 +180,22 @@ OBJECTIVES = (
     ),
 )
 """The objectives, feedback by feedback."""
+
+
+def law_objectives(laws: Sequence[Law]) -> tuple[MeasureDescription, ...]:
+    """Returns the objectives of LawBreaker's feedback: one for each way to violate a law."""
+    # Imported here: it needs the code of laws.
+    from drivora_service.feedback.lawbreaker import objectives_of
+
+    return tuple(
+        _objective(
+            "lawbreaker",
+            name,
+            f"The negated robustness of a way to violate {law.name}, below zero where a run shows "
+            f"it: {case}.",
+            threshold="0",
+            source=_LAWBREAKER,
+        )
+        for law in laws
+        for name, case in zip(objectives_of([law]), law.sub_violations, strict=True)
+    )

@@ -21,6 +21,7 @@ from drivora_service.search.testers.decictor.search import DECICTOR
 from drivora_service.search.testers.deepcollision.tester import DEEPCOLLISION
 from drivora_service.search.testers.doppeltest.tester import DOPPELTEST
 from drivora_service.search.testers.drivefuzz.tester import DRIVEFUZZ
+from drivora_service.search.testers.lawbreaker.search import LAWBREAKER
 from drivora_service.search.testers.random_search import RANDOM
 from drivora_service.search.testers.samota.tester import SAMOTA
 
@@ -30,6 +31,7 @@ BUILT_IN: tuple[TesterPlugin[Any], ...] = (
     BEHAVEXPLOR,
     SAMOTA,
     DOPPELTEST,
+    LAWBREAKER,
     DRIVEFUZZ,
     DEEPCOLLISION,
     DECICTOR,

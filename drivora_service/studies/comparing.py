@@ -35,6 +35,7 @@ from drivora_service.studies.figures import (
     within_time,
 )
 from drivora_service.studies.finds import others_fault
+from drivora_service.studies.law_coverage import law_verdicts
 from drivora_service.studies.subjects import Compared, compared_campaigns
 
 if TYPE_CHECKING:
@@ -129,8 +130,8 @@ def confirmed_evaluations(
 ) -> tuple[EvaluationRecord, ...]:
     """Returns the evaluations of a campaign, without failures that were not repeated.
 
-    Little of the runs' reports is kept, such as their durations: hundreds of campaigns must fit in
-    memory.
+    Little of the runs' reports is kept, such as their durations and which laws they violated:
+    hundreds of campaigns must fit in memory.
 
     Args:
         database: Holds the campaign.
@@ -146,7 +147,10 @@ def confirmed_evaluations(
         report = RunReport(
             run_id=record.report.run_id,
             status=record.report.status,
-            verdicts=others_fault(record.report.verdicts, oracles) if stands else (),
+            verdicts=(
+                *law_verdicts(record.report.verdicts),
+                *(others_fault(record.report.verdicts, oracles) if stands else ()),
+            ),
             egos_sha256=record.report.egos_sha256,
             wall_time_s=record.report.wall_time_s,
             privileged=record.report.privileged,

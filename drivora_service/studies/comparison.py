@@ -139,6 +139,12 @@ MEASURES = (
         value=lambda f: f.network_coverage,
     ),
     Measure(
+        name="law_coverage",
+        title="coverage of violations of traffic laws",
+        larger_is_better=True,
+        value=lambda f: f.law_coverage,
+    ),
+    Measure(
         name="invalid_share",
         title="share of invalid candidates",
         larger_is_better=False,

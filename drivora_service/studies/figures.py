@@ -17,6 +17,7 @@ from drivora_service.search.tester import EvaluationStatus
 from drivora_service.shapes import Shape
 from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.studies.finds import Finds, others_fault, redrawn_share, unchanged_share
+from drivora_service.studies.law_coverage import law_coverage
 
 _LEVELS = 4
 """Number of levels of a gene's range for counting tried combinations."""
@@ -60,6 +61,8 @@ class CampaignFigures(Shape):
         own_s: Seconds of the method itself: asking, telling, repairing, decoding, checking.
         network_coverage: Share of the network's drivable lanes, by length, on which actors were
             placed or planned; ``None``: not known (see ``studies.road_coverage``).
+        law_coverage: Share of the ways to violate the traffic laws that judged its runs which some
+            run showed (``studies.law_coverage``); ``None``: no law judged them.
         first_failure_s: Seconds of one worker up to the first failure, the method's own included;
             ``None``: none found.
         first_avoidable_s: The same up to the first one that is the fault of an ego and avoidable.
@@ -101,6 +104,7 @@ class CampaignFigures(Shape):
     simulation_s: float
     own_s: float
     network_coverage: float | None = None
+    law_coverage: float | None = None
     first_failure_s: float | None = None
     first_avoidable_s: float | None = None
     redrawn_share: float | None = None
@@ -203,6 +207,7 @@ def figures_of(
         simulation_s=sum(r.report.wall_time_s for r in simulated),
         own_s=sum(r.search_s + r.prepare_s for r in records),
         network_coverage=network_coverage,
+        law_coverage=law_coverage(v for r in simulated for v in r.report.verdicts),
         first_failure_s=finds.first_s,
         first_avoidable_s=targets.first_s,
         redrawn_share=redrawn_share(records),

@@ -149,6 +149,12 @@ def _measured(figures: CampaignFigures) -> list[tuple[str, str]]:
         ("mutants drawn again, without an effect", _share(figures.redrawn_share)),
         ("candidates with their parent's run", _share(figures.unchanged_share)),
         (
+            "coverage of traffic laws",
+            "not known"
+            if figures.law_coverage is None
+            else f"{figures.law_coverage:.1%} of the ways to violate them",
+        ),
+        (
             "time of the method",
             f"{figures.own_s:.2f} s, {figures.own_share:.1%} of the {figures.simulation_s:.1f} s "
             "of simulation",

@@ -7,6 +7,7 @@ from functools import lru_cache
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.oracles.catalogue import OracleCatalogue
+from drivora_service.oracles.laws.sources import LawSource
 from drivora_service.worker.setup import WorkerSetup
 
 
@@ -27,6 +28,10 @@ def agents_of(setup: WorkerSetup) -> AgentCatalogue:
 
 
 @lru_cache(maxsize=1)
-def installed_oracles() -> OracleCatalogue:
-    """Returns the catalogue of the process."""
-    return OracleCatalogue()
+def oracles_of(laws: tuple[LawSource, ...]) -> OracleCatalogue:
+    """Returns the catalogue of the process.
+
+    Args:
+        laws: The user's law files, of the set-up.
+    """
+    return OracleCatalogue(laws)

@@ -46,7 +46,7 @@ from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.phase import RunPhase
 from drivora_service.simulation.plan import EpisodePlan, plan_episode
 from drivora_service.simulation.sumo import SUMO_ERRORS
-from drivora_service.worker.catalogues import agents_of, installed_oracles, networks_of
+from drivora_service.worker.catalogues import agents_of, networks_of, oracles_of
 from drivora_service.worker.integrity import judging_code, sentence
 from drivora_service.worker.interventions import leave_scenario
 from drivora_service.worker.measuring import is_built_in, make_feedback, measure_run
@@ -136,7 +136,9 @@ def _perform(
 ) -> RunReport:
     code = judging_code()
     # An oracle that cannot be loaded is found before a simulation is spent on it.
-    installed = installed_oracles().installed() if setup.installed_oracles else ()
+    oracles = oracles_of(setup.laws)
+    laws = oracles.laws()
+    installed = oracles.installed() if setup.installed_oracles else ()
     scenario = with_overrides(from_canonical(spec.document), agent=spec.agent, seed=spec.seed)
     network = networks_of(setup).get(scenario.map_region.town)
     plan = plan_episode(scenario, network)
@@ -144,13 +146,16 @@ def _perform(
     catalogue.begin_run()
     egos = (ego.agent.name for ego in scenario.ego_vehicles)
     course.versions = {**course.versions, **_versions_of(catalogue, egos)}
-    if installed:
-        names = (oracle.name for oracle in installed)
-        course.versions = {**course.versions, **_versions_of(installed_oracles(), names)}
+    names = (*(law.name for law in laws), *(oracle.name for oracle in installed))
+    course.versions = {**course.versions, **_versions_of(oracles, names)}
     course.agents = {ego.id: catalogue.completed(ego.agent) for ego in scenario.ego_vehicles}
     cells[4] = any(catalogue.is_in_process(e.agent.name) for e in scenario.ego_vehicles)
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
-    feedback = None if spec.feedback is None else make_feedback(spec.feedback)
+    feedback = (
+        None
+        if spec.feedback is None
+        else make_feedback(spec.feedback, tuple(judge.law for judge in laws))
+    )
     adversary = None if spec.candidate is None else spec.candidate.adversary
     has_guests = any(catalogue.may_read_sumo(e.agent.name) for e in scenario.ego_vehicles)
     code.has_met_others |= has_guests
@@ -189,7 +194,7 @@ def _perform(
             return _failed(spec, RunStatus.INFRASTRUCTURE_FAILED, failure, course)
     steps = max(trace.step_count - 1, 1)
     view = RunView(trace, network)
-    verdicts = judge_all(trace, network, default_oracles(), view=view)
+    verdicts = judge_all(trace, network, (*default_oracles(), *laws), view=view)
     report = RunReport(
         run_id=spec.run_id,
         status=RunStatus.FINISHED,

@@ -23,6 +23,7 @@ from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.presets import PRESETS, SpacePreset
 from tests.oracles.installing import install_oracles
+from tests.oracles.laws.laws import source_of
 
 Change = Callable[[dict[str, Any]], object]
 
@@ -428,3 +429,33 @@ def test_paths_cannot_be_kept_clear_of_vehicles_that_sumo_drives(
     (problem,) = refused.value.problems
     assert problem.pointer == "/space/behavior"
     assert "'replay' or 'reactive'" in problem.message
+
+
+def test_a_law_that_is_searched_for_must_exist(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["tester"] = {
+        "name": "lawbreaker",
+        "parameters": {"laws": ["law_45_speed_limit", "law_45_speed"]},
+    }
+    with pytest.raises(InvalidDocument) as refused:
+        read_campaign(content, catalogues)
+    (problem,) = refused.value.problems
+    assert problem.pointer == "/tester/parameters/laws/1"
+    assert "unknown law 'law_45_speed'; did you mean 'law_45_speed_limit'" in problem.message
+    content["tester"]["parameters"] = {"laws": ["law_45_speed_limit"]}
+    assert read_campaign(content, catalogues).campaign.tester.name == "lawbreaker"
+
+
+def test_a_search_by_laws_depends_on_the_users_files(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    own = Catalogues(catalogues.networks, laws=(source_of("speed < 3"),))
+    assert "laws/own.yaml" not in read_campaign(content, own).versions
+    content["oracles"] = ["collision", "own_law"]
+    assert "laws/own.yaml" in read_campaign(content, own).versions
+    content["oracles"] = ["collision"]
+    content["tester"] = {"name": "lawbreaker"}
+    assert "laws/own.yaml" in read_campaign(content, own).versions
+    changed = Catalogues(catalogues.networks, laws=(source_of("speed < 4"),))
+    assert read_campaign(content, own).versions != read_campaign(content, changed).versions

@@ -28,6 +28,7 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "behavexplor": (MOTORWAY, {}),
     "samota": (MOTORWAY, {"initial": 12}),
     "doppeltest": (JUNCTION, {}),
+    "lawbreaker": (MOTORWAY, {"generations": 3}),
     # Several seeds within the budget.
     "drivefuzz": (MOTORWAY, {"cycles": 4}),
     "decictor": (MOTORWAY, {}),

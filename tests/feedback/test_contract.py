@@ -19,6 +19,7 @@ from drivora_service.feedback.deepcollision import DEEPCOLLISION
 from drivora_service.feedback.doppeltest import DOPPELTEST
 from drivora_service.feedback.drivefuzz import DRIVEFUZZ
 from drivora_service.feedback.general import GENERAL
+from drivora_service.feedback.lawbreaker import lawbreaker_feedback
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.feedback.samota import SAMOTA
@@ -58,6 +59,10 @@ class TestSamota(FeedbackContract):
     plugin = SAMOTA
 
 
+class TestLawbreaker(FeedbackContract):
+    plugin = lawbreaker_feedback()
+
+
 class TestDriveFuzz(FeedbackContract):
     plugin = DRIVEFUZZ
 
@@ -71,7 +76,7 @@ def _compared(trace: Trace) -> Trace:
 
 def test_every_built_in_feedback_is_under_contract() -> None:
     under_contract = {suite.plugin.name for suite in FeedbackContract.__subclasses__()}
-    assert {plugin.name for plugin in BUILT_IN} <= under_contract
+    assert {plugin.name for plugin in BUILT_IN} | {"lawbreaker"} <= under_contract
 
 
 @dataclass(kw_only=True)

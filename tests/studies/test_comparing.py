@@ -77,9 +77,10 @@ def test_campaigns_are_counted_and_compared(
         assert figures.network_coverage is not None
         assert 0.0 < figures.network_coverage < 1.0
         assert 0.0 < figures.gene_coverage < 1.0
+        assert figures.law_coverage is None, "no law judged these runs"
     # Two methods against the baseline; seconds to the first failure, too: all found one. Random
-    # has no mutants.
-    assert len(comparison.differences) == 2 * (len(MEASURES) - 1)
+    # has no mutants, and laws were not judged.
+    assert len(comparison.differences) == 2 * (len(MEASURES) - 2)
     assert comparison.budgets == {"tee-town": 14}
     assert {figures.budget for figures in comparison.campaigns} == {14}
     assert comparison.time_limits_s == {}

@@ -128,6 +128,7 @@ def test_every_measure_can_be_compared() -> None:
         replace(
             f,
             network_coverage=0.3,
+            law_coverage=0.2,
             first_failure=3,
             first_failure_s=1.0,
             first_avoidable_s=2.0,

@@ -2286,6 +2286,11 @@ export interface components {
              */
             kinds: number;
             /**
+             * Law Coverage
+             * @description Share of the ways to violate the traffic laws that judged its runs which some run showed (`studies.law_coverage`); `None`: no law judged them.
+             */
+            law_coverage?: number | null;
+            /**
              * Method
              * @description What is compared: campaigns of one method are repetitions of one another.
              */
@@ -4862,13 +4867,23 @@ export interface components {
             definition: string;
             /** Description */
             description: string;
+            /**
+             * File
+             * @description The user's law file that it is from; else empty.
+             */
+            file: string;
+            /**
+             * Formula
+             * @description Its formula, if it is a traffic law; else empty.
+             */
+            formula: string;
             /** Installed */
             installed: boolean;
             /** Name */
             name: string;
             /**
              * Package
-             * @description Its package; empty for a built-in oracle.
+             * @description Its package; empty for a built-in oracle and a law.
              */
             package: string;
             /**
@@ -6777,6 +6792,11 @@ export interface components {
              * @description Kinds of failures (`campaigns.failure_kinds`).
              */
             kinds: number;
+            /**
+             * Law Coverage
+             * @description Share of the ways to violate the traffic laws that judged its runs which some run showed (`studies.law_coverage`); `None`: no law judged them.
+             */
+            law_coverage?: number | null;
             /**
              * Method
              * @description What is compared: campaigns of one method are repetitions of one another.

@@ -50,6 +50,11 @@ export const MEASURES: readonly Measure[] = [
     value: ({ network_coverage }) => network_coverage ?? null,
   },
   {
+    name: "law_coverage",
+    title: "coverage of violations of traffic laws",
+    value: ({ law_coverage }) => law_coverage ?? null,
+  },
+  {
     name: "unchanged_share",
     title: "share of candidates with their parent's run",
     value: ({ unchanged_share }) => unchanged_share ?? null,
