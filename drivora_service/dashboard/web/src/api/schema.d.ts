@@ -4754,17 +4754,17 @@ export interface components {
              */
             id: string;
             /**
-             * Lateral Acceleration
-             * @description Lateral acceleration in bends and lane changes, at most what the grip of the road allows. Without it 60 % of the grip in bends, and lane changes of 4 s.
-             * @default null
-             */
-            lateral_acceleration: number | null;
-            /**
              * Joins
              * @description Whether it is added to the running episode at start_time, behind all other actors, instead of being one of its actors from the beginning.
              * @default false
              */
             joins: boolean;
+            /**
+             * Lateral Acceleration
+             * @description Lateral acceleration in bends and lane changes, at most what the grip of the road allows. Without it 60 % of the grip in bends, and lane changes of 4 s.
+             * @default null
+             */
+            lateral_acceleration: number | null;
             /**
              * Model
              * @description A vehicle model.
@@ -8842,7 +8842,7 @@ export interface operations {
                 content: {
                     "application/vnd.apache.arrow.stream": string;
                     "application/vnd.apache.parquet": string;
-                    /** @example {"step":0,"timestamp":0.0,"egos":[{"id":"ego_0","kind":"vehicle","model":"vehicle.lincoln.mkz_2017","position":{"x":10.1,"y":-8.7,"z":0.0},"yaw":-0.54051,"velocity":{"x":29.998665,"y":-0.283006},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":4.9,"width":2.13},"control":{"acceleration":0.15,"steer":-0.051447},"lane":{"index":160,"id":"eb_1_1","lateral":0.024339,"heading":-0.54051},"speed_limit":33.33,"route":{"distance":0.0,"lateral":0.024339},"light":null}],"other_actors":{"vehicles":[{"id":"vehicle_0","kind":"vehicle","model":"vehicle.yamaha.yzf","position":{"x":263.182,"y":-10.752,"z":0.0},"yaw":0.193155,"velocity":{"x":3.730979,"y":0.012578},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":2.19,"width":0.87}},{"id":"vehicle_1","kind":"vehicle","model":"vehicle.volkswagen.t2","position":{"x":23.65,"y":-12.631,"z":0.0},"yaw":-0.627887,"velocity":{"x":21.360073,"y":-0.234088},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":4.48,"width":2.07}},{"id":"vehicle_2","kind":"vehicle","model":"vehicle.lincoln.mkz_2017","position":{"x":278.155,"y":-6.942,"z":0.0},"yaw":0.289938,"velocity":{"x":27.346314,"y":0.138384},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":4.9,"width":2.13}},{"id":"vehicle_3","kind":"vehicle","model":"vehicle.mercedes.sprinter","position":{"x":272.429,"y":-10.721,"z":0.0},"yaw":0.270608,"velocity":{"x":6.27393,"y":0.029632},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":5.92,"width":1.99}}],"walkers":[],"obstacles":[],"background":[],"traffic_lights":[]},"agent_logs":{"ego_0":{"values":{"gap":null,"wanted_speed":33.33,"halt_distance":null},"events":[]}}} */
+                    /** @example {"step":0,"timestamp":0.0,"egos":[{"id":"ego_0","kind":"vehicle","model":"vehicle.lincoln.mkz_2017","position":{"x":10.1,"y":-8.7,"z":0.0},"yaw":-0.54051,"velocity":{"x":29.998665,"y":-0.283006},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":4.9,"width":2.13},"control":{"acceleration":-0.4,"steer":-0.051447},"lane":{"index":160,"id":"eb_1_1","lateral":0.024339,"heading":-0.54051},"speed_limit":33.33,"route":{"distance":0.0,"lateral":0.024339},"light":null}],"other_actors":{"vehicles":[{"id":"vehicle_0","kind":"vehicle","model":"vehicle.tesla.cybertruck","position":{"x":177.053,"y":-14.275,"z":0.0},"yaw":-0.417619,"velocity":{"x":26.292736,"y":-0.191647},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":6.27,"width":2.39}},{"id":"vehicle_1","kind":"vehicle","model":"vehicle.tesla.cybertruck","position":{"x":-46.499,"y":-16.814,"z":0.0},"yaw":11.131211,"velocity":{"x":13.573541,"y":2.670702},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":6.27,"width":2.39}},{"id":"vehicle_2","kind":"vehicle","model":"vehicle.mercedes.sprinter","position":{"x":337.177,"y":-10.076,"z":0.0},"yaw":1.287979,"velocity":{"x":14.68416,"y":0.330148},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":5.92,"width":1.99}},{"id":"vehicle_3","kind":"vehicle","model":"vehicle.nissan.micra","position":{"x":46.375,"y":-9.139,"z":0.0},"yaw":-0.676919,"velocity":{"x":17.39411,"y":-0.205512},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":3.63,"width":1.85}}],"walkers":[],"obstacles":[],"background":[],"traffic_lights":[]},"agent_logs":{"ego_0":{"values":{"gap":32.134905,"wanted_speed":33.33,"halt_distance":null},"events":[]}}} */
                     "application/x-ndjson": string;
                 };
             };
@@ -9249,8 +9249,8 @@ export interface operations {
                     "application/vnd.apache.parquet": string;
                     /**
                      * @example evaluation,kind,at_fault,time_s,sentence
-                     *     20,"collision|road eb_1|npc_vehicle, front",true,10.100000000000001,"Collided with a vehicle at 11.9 m/s relative to it (front of the ego): the other was ahead, and there was time to brake, on road eb_1 of highway; the fault of the ego, not avoidable."
-                     *     23,"collision|road eb_1|npc_vehicle, front",true,10.100000000000001,"Collided with a vehicle at 11.9 m/s relative to it (front of the ego): the other was ahead, and there was time to brake, on road eb_1 of highway; the fault of the ego, not avoidable."
+                     *     3,"collision|road eb_1|npc_vehicle, front",,1.55,"Collided with a vehicle at 11.4 m/s relative to it (front of the ego): the record begins too late to tell: they were too near then, on road eb_1 of highway; fault undetermined."
+                     *     4,"collision|road eb_1|npc_vehicle, front",,1.55,"Collided with a vehicle at 11.4 m/s relative to it (front of the ego): the record begins too late to tell: they were too near then, on road eb_1 of highway; fault undetermined."
                      */
                     "text/csv": string;
                 };
@@ -12905,7 +12905,7 @@ export interface operations {
                      *     # TYPE drivora_runs gauge
                      *     drivora_runs{status="queued"} 0.0
                      *     drivora_runs{status="running"} 0.0
-                     *     drivora_runs{status="finished"} 179.0
+                     *     drivora_runs{status="finished"} 219.0
                      *     drivora_runs{status="invalid"} 0.0
                      *     drivora_runs{status="agent_failed"} 0.0
                      *     drivora_runs{status="plugin_failed"} 0.0
