@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from drivora_service.observations.trace import Col, Trace
-from drivora_service.scenario.model import Scenario
+from drivora_service.scenario.model import FrictionPatch, Scenario, Weather, WeatherChange
 from drivora_service.simulation.free_motion import planned_motions
 from tests.simulation.episodes import (
     ROAD,
@@ -45,6 +48,32 @@ def crowded(behavior: str) -> Scenario:
     )
 
 
+def changing(behavior: str) -> Scenario:
+    """The same in weather that changes, on ice in places, and some of them join the run."""
+    what = crowded(behavior)
+    npc, slow, last = what.npc_vehicles
+    (pedestrian,) = what.npc_walkers
+    slower = tuple(place(ROAD, s, speed=v) for s, v in ((10, 9.0), (40, 9.0), (80, 2.0), (110, 2)))
+    rain = Weather(precipitation=100.0, wetness=100.0, precipitation_deposits=100.0)
+    return replace(
+        what,
+        npc_vehicles=(
+            # Told how to brake, it plans by the grip of the time at which it joins.
+            replace(npc, route=slower, deceleration=8.0, joins=True, start_time=1.52),
+            slow,
+            replace(last, joins=True),
+        ),
+        npc_walkers=(replace(pedestrian, joins=True),),
+        friction_patches=(
+            FrictionPatch(id="ice", location=place(ROAD, 36), length=2.0, width=8.0, friction=0.05),
+        ),
+        weather_changes=(
+            WeatherChange(time=1.5, weather=rain),
+            WeatherChange(time=4.0, weather=Weather()),
+        ),
+    )
+
+
 def compared(what: Scenario) -> tuple[Trace, dict[str, tuple[np.ndarray, np.ndarray]]]:
     trace = run(what, standing())
     motions = planned_motions(what, network(), float(trace.times[-1]))
@@ -52,8 +81,9 @@ def compared(what: Scenario) -> tuple[Trace, dict[str, tuple[np.ndarray, np.ndar
     return trace, {m.id: (m.poses, m.present) for m in motions}
 
 
-def test_actors_that_do_not_react_move_as_planned() -> None:
-    trace, planned = compared(crowded("replay"))
+@pytest.mark.parametrize("scene", [crowded, changing])
+def test_actors_that_do_not_react_move_as_planned(scene: Callable[[str], Scenario]) -> None:
+    trace, planned = compared(scene("replay"))
     for name, (poses, present) in planned.items():
         row = row_of(trace, name)
         assert np.array_equal(present, trace.present[:, row]), name
@@ -61,8 +91,25 @@ def test_actors_that_do_not_react_move_as_planned() -> None:
         assert poses[present] == pytest.approx(recorded[present], abs=1e-9), name
 
 
-def test_vehicles_that_react_are_never_further_than_planned() -> None:
-    trace, planned = compared(crowded("reactive"))
+def test_ice_and_the_weather_of_its_time_slow_what_joins() -> None:
+    what = changing("replay")
+    poses = {
+        name: planned_motions(scene, network(), 9.0)[0].poses
+        for name, scene in (
+            ("told", what),
+            ("dry", replace(what, weather_changes=())),
+            ("bare", replace(what, friction_patches=())),
+        )
+    }
+    assert not np.array_equal(poses["told"], poses["dry"], equal_nan=True)
+    assert not np.array_equal(poses["told"], poses["bare"], equal_nan=True)
+
+
+@pytest.mark.parametrize("scene", [crowded, changing])
+def test_vehicles_that_react_are_never_further_than_planned(
+    scene: Callable[[str], Scenario],
+) -> None:
+    trace, planned = compared(scene("reactive"))
     x, y, yaw = place(ROAD, 0).x, place(ROAD, 0).y, place(ROAD, 0).yaw or 0.0
     along = np.array([np.cos(yaw), np.sin(yaw)])
     behind = 0

@@ -35,14 +35,19 @@ from drivora_service.worker.setup import WorkerSetup
 from tests.adversaries.games import alone
 
 SETUP = WorkerSetup(shipped_networks=shipped_networks())
+FEW = SpaceOptions(vehicles=1, walkers=0)
 TASK = WorkerTask(
     perform="drivora_service.worker.performing:perform", warm_up="", setup=SETUP, prepare=PREPARE
 )
 
 
-def source_for(seed: int, what: Scenario | None = None) -> CandidateSource:
+def source_for(
+    seed: int,
+    what: Scenario | None = None,
+    options: SpaceOptions = FEW,
+) -> CandidateSource:
     network = NetworkCatalogue(shipped_networks()).get("tee-town")
-    space = ScenarioSpace(what or alone(), network, SpaceOptions(vehicles=1, walkers=0))
+    space = ScenarioSpace(what or alone(), network, options)
     values = tuple(space.genes.from_unit(np.full(len(space.genes), 0.1)).tolist())
     adversary = AdversarySource(policy="", exploration=1.0, seed=seed, interval=3.0)
     return CandidateSource(space=source_of(space), values=values, adversary=adversary)
@@ -93,6 +98,21 @@ def test_the_same_adversary_does_the_same_in_every_worker() -> None:
     assert other[1] is not None
     assert one[1].document == other[1].document
     assert performed(source_for(3))[0].trace_sha256 != one[0].trace_sha256
+
+
+def test_with_an_adversary_no_gene_is_without_effect() -> None:
+    """What it does depends on all that it sees, and what it adds may meet any actor."""
+    options = SpaceOptions(vehicles=2, walkers=1, patches=2, optional=True)
+    source = source_for(2, options=options)
+    report, candidate = performed(source)
+    assert report.status is RunStatus.FINISHED, report.failure
+    assert report.without_effect == ()
+    assert candidate is not None
+    assert from_canonical(candidate.document).extensions[EXTENSION]
+    # Without one, the genes of absent actors and patches are.
+    report, _ = performed(replace(source, adversary=None))
+    assert report.status is RunStatus.FINISHED, report.failure
+    assert len(report.without_effect) > 20
 
 
 def test_the_scenario_so_far_is_left_for_runs_that_the_process_does_not_survive() -> None:

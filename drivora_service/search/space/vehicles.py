@@ -8,7 +8,7 @@ from dataclasses import replace
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.route_line import QuickChange
 from drivora_service.scenario.actor_models import ActorModel
-from drivora_service.scenario.model import NpcBehavior, NpcVehicle
+from drivora_service.scenario.model import NpcBehavior, NpcVehicle, RouteEnd
 from drivora_service.search.genes import Block
 from drivora_service.search.space.alike import ABSENT, Decoded
 from drivora_service.search.space.driven_path import DrivenPath
@@ -130,8 +130,9 @@ class VehicleDecoder:
         place, options = self.place(values), self._options
         path = place.path.path
         speeds: tuple[SpeedGene, ...] = ()
-        # Limits of its own and waits move the places from which on a speed shows.
-        is_plain = not (
+        # Limits of its own and stops, which are planned within the grip, move the places from which
+        # on a speed shows.
+        is_plain = options.at_end is RouteEnd.LEAVE and not (
             options.slice_time
             or options.max_wait
             or options.max_deceleration

@@ -130,7 +130,7 @@ class DecictorSearch:
 
     def _mutant(self, parent: FloatArray, reference: FloatArray) -> FloatArray:
         mutant = self._mutation.mutate(parent, self._space, self._random)
-        # Weather, lights and egos stay as in the reference, whatever mutates.
+        # Weather, lights, patches and egos stay as in the reference, whatever mutates.
         return np.where(self._mutable(), mutant, reference)
 
     def _select(self, members: tuple[Member, ...]) -> tuple[Member, ...]:

@@ -173,7 +173,10 @@ def _transitions(
 
 
 def still_values(space: GeneSpace) -> FloatArray:
-    """Returns the values without variable actors, in fine weather; all else in the middle."""
+    """Returns the values without variable actors and patches, in fine weather.
+
+    All else is in the middle.
+    """
     values = space.from_unit(np.full(len(space), 0.5))
     for block in space.blocks:
         if block.is_optional:
