@@ -154,5 +154,5 @@ def test_what_cannot_be_compared_is_said(drivora: Drivora) -> None:
     assert "unknown campaign 'nothing'" in unknown.err
     measure = drivora("campaign", "compare", "nothing", "--measure", "beauty")
     assert measure.code == 2
-    assert "unknown measure 'beauty'; known: avoidable, at_fault" in measure.err
+    assert "unknown measure 'beauty'; known: avoidable, first_avoidable" in measure.err
     assert drivora("campaign", "report", "nothing").code == 2
