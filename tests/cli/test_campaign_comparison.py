@@ -100,7 +100,14 @@ def test_real_campaigns_are_compared_and_reported(
         ["comparison.csv", "comparison.md", "figures.csv"]
         + [
             f"{name}.{suffix}"
-            for name in ("effects", "failures-found", "first-failure", "values")
+            for name in (
+                "avoidable-found",
+                "effects",
+                "failures-found",
+                "first-avoidable",
+                "first-failure",
+                "values",
+            )
             for suffix in ("png", "svg")
         ]
     )
