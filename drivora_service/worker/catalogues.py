@@ -27,11 +27,13 @@ def agents_of(setup: WorkerSetup) -> AgentCatalogue:
     )
 
 
-@lru_cache(maxsize=1)
-def oracles_of(laws: tuple[LawSource, ...]) -> OracleCatalogue:
-    """Returns the catalogue of the process.
+def oracles_of(setup: WorkerSetup) -> OracleCatalogue:
+    """Returns the catalogue of the process."""
+    return _oracles(setup.laws, setup.installed_oracles)
 
-    Args:
-        laws: The user's law files, of the set-up.
-    """
+
+@lru_cache(maxsize=1)
+def _oracles(laws: tuple[LawSource, ...], _with_installed: bool) -> OracleCatalogue:
+    # That of the fork server, which does without the oracles of packages, has those of another
+    # time: they are found when a catalogue is made.
     return OracleCatalogue(laws)

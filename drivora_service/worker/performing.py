@@ -136,7 +136,7 @@ def _perform(
 ) -> RunReport:
     code = judging_code()
     # An oracle that cannot be loaded is found before a simulation is spent on it.
-    oracles = oracles_of(setup.laws)
+    oracles = oracles_of(setup)
     laws = oracles.laws()
     installed = oracles.installed() if setup.installed_oracles else ()
     scenario = with_overrides(from_canonical(spec.document), agent=spec.agent, seed=spec.seed)
