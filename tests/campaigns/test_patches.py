@@ -17,6 +17,7 @@ from drivora_service.store.database import Database
 from tests.campaigns.analytic import sequence
 from tests.campaigns.test_stored import Campaigns
 
+METHODS = ("decictor", "drivefuzz", "lawbreaker", "samota", "behavexplor")
 SPACE = {
     "vehicles": 2,
     "walkers": 1,
@@ -46,11 +47,15 @@ def _evaluated(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["decictor", "drivefuzz", "lawbreaker", "samota", "behavexplor"])
+@pytest.mark.parametrize("name", [*METHODS, "deepcollision"])
 def test_the_number_of_workers_does_not_change_a_campaign_with_patches(
     campaigns: Campaigns, content: dict[str, Any], name: str
 ) -> None:
-    content |= {"tester": {"name": name}, "space": SPACE}
+    parameters = {}
+    if name == "deepcollision":
+        pytest.importorskip("stable_baselines3", reason="an extra: `adversary`")
+        parameters = {"scene": "drawn", "interval": 4.0, "learning_starts": 8, "hidden": 16}
+    content |= {"tester": {"name": name, "parameters": parameters}, "space": SPACE}
     content["oracles"] = ["collision", "non_optimal_decision"]
     alone, scenarios = _evaluated(campaigns, content, 1)
     assert any(scenario.friction_patches for scenario in scenarios)

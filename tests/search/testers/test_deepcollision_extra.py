@@ -21,6 +21,8 @@ import pytest
 TESTS = (
     "tests/search/testers/test_deepcollision.py",
     "tests/campaigns/test_deepcollision_campaigns.py",
+    "tests/campaigns/test_patches.py::"
+    "test_the_number_of_workers_does_not_change_a_campaign_with_patches[deepcollision]",
 )
 
 
