@@ -33,7 +33,7 @@ from drivora_service.scenario.model import BackgroundTraffic
 from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.scenario.validation import validate_document
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "deploy" / "external-agent"
 

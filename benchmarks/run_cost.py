@@ -30,7 +30,7 @@ from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.model import Scenario
 from drivora_service.simulation import sumo
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 from drivora_service.worker.integrity import judging_code
 
 STEP = 0.05

@@ -20,7 +20,7 @@ from drivora_service.observations.trace import Trace
 from drivora_service.runs.adversary import ACTIONS, OBSERVATION_SIZE
 from drivora_service.scenario.model import Scenario
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 
 try:
     import gymnasium

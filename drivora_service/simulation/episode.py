@@ -42,14 +42,8 @@ from drivora_service.simulation.dynamics import CommandMode
 from drivora_service.simulation.ego_team import EgoTeam
 from drivora_service.simulation.holding import Holding, look_ahead_is_bounded
 from drivora_service.simulation.look import Frames, Look, frames_of, look_at
-from drivora_service.simulation.plan import (
-    DrivenPlan,
-    EpisodePlan,
-    FollowerPlan,
-    plan_driven,
-    plan_npc,
-    plan_walker,
-)
+from drivora_service.simulation.plan import DrivenPlan, EpisodePlan, FollowerPlan
+from drivora_service.simulation.planning_npcs import plan_driven, plan_npc, plan_walker
 from drivora_service.simulation.route_tracking import ENDS
 from drivora_service.simulation.stand_ins import StandIns
 from drivora_service.simulation.step_kernels import (

@@ -22,14 +22,9 @@ from drivora_service.simulation.arrays import lay_followers
 from drivora_service.simulation.changes import Joining, join_step, weather_by_step
 from drivora_service.simulation.follower_state import FollowerCol, Reaction
 from drivora_service.simulation.followers import advance_followers
-from drivora_service.simulation.plan import (
-    FollowerPlan,
-    PatchPlan,
-    plan_npc,
-    plan_obstacle,
-    plan_patch,
-    plan_walker,
-)
+from drivora_service.simulation.plan import FollowerPlan, PatchPlan
+from drivora_service.simulation.planning_npcs import plan_npc, plan_walker
+from drivora_service.simulation.planning_places import plan_obstacle, plan_patch
 
 
 def planned_motions(

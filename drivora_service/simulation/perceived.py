@@ -23,7 +23,8 @@ from drivora_service.simulation.actor_heights import actor_heights
 from drivora_service.simulation.arrays import privileged_senses, senses_of
 from drivora_service.simulation.changes import joining_actors, weather_by_step
 from drivora_service.simulation.perception import perceive
-from drivora_service.simulation.plan import EpisodePlan, plan_episode
+from drivora_service.simulation.plan import EpisodePlan
+from drivora_service.simulation.planning import plan_episode
 from drivora_service.simulation.sensor_noise import SensorNoise, ego_seeds, is_noisy
 from drivora_service.simulation.world import KIND_OF_ROLE
 

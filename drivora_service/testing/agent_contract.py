@@ -44,7 +44,7 @@ from drivora_service.scenario.model import (
     Waypoint,
 )
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 from drivora_service.worker.integrity import Snapshot
 
 _TOWN = "tee-town"

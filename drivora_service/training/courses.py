@@ -11,7 +11,8 @@ from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario.documents import with_background
 from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.scenario.validation import validate_document
-from drivora_service.simulation.plan import EpisodePlan, plan_episode
+from drivora_service.simulation.plan import EpisodePlan
+from drivora_service.simulation.planning import plan_episode
 from drivora_service.training.leaders import with_leaders
 
 EXPERT = "idm"

@@ -10,7 +10,8 @@ from drivora_service.errors import NoRoute
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle, Waypoint
 from drivora_service.search.space.driven_path import DrivenPath
 from drivora_service.search.space.vehicle_genes import MODELS
-from drivora_service.simulation.plan import EpisodePlan, plan_episode
+from drivora_service.simulation.plan import EpisodePlan
+from drivora_service.simulation.planning import plan_episode
 
 _GAPS = (14.0, 50.0)
 """Metres along the route from the ego's start to the first car."""

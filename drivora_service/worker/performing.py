@@ -44,7 +44,8 @@ from drivora_service.scenario.overrides import with_overrides
 from drivora_service.simulation.changes import changes_anything
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.phase import RunPhase
-from drivora_service.simulation.plan import EpisodePlan, plan_episode
+from drivora_service.simulation.plan import EpisodePlan
+from drivora_service.simulation.planning import plan_episode
 from drivora_service.simulation.sumo import SUMO_ERRORS
 from drivora_service.worker.catalogues import agents_of, networks_of, oracles_of
 from drivora_service.worker.integrity import judging_code, sentence

@@ -29,7 +29,8 @@ from drivora_service.search.genes import GeneSpace
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.vehicle_ways import BESIDE, VehicleWay
 from drivora_service.simulation.followers import look_ahead
-from drivora_service.simulation.plan import COMFORTABLE_BRAKING_SHARE, EpisodePlan, FollowerPlan
+from drivora_service.simulation.plan import EpisodePlan, FollowerPlan
+from drivora_service.simulation.planning_npcs import COMFORTABLE_BRAKING_SHARE
 
 _STRIDE_S = 0.5
 """Seconds between the sampled positions."""

@@ -30,7 +30,7 @@ from drivora_service.scenario.exporting import to_document
 from drivora_service.scenario.model import BackgroundTraffic, Scenario
 from drivora_service.scenario.validation import validate_data, validate_document
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 from tests.adversaries.games import alone, decide, game
 from tests.simulation.episodes import Blind, run, start
 

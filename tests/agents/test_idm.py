@@ -18,7 +18,7 @@ from drivora_service.oracles.speeding import Speeding
 from drivora_service.oracles.wrong_way import WrongWay
 from drivora_service.scenario.model import LightTimes, Scenario, TrafficLights, Waypoint, Weather
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 from tests.agents.driving import assert_keeps, assert_stops_at_red, passes, red_light_ahead
 from tests.simulation.episodes import (
     ROAD,

@@ -16,7 +16,7 @@ from drivora_service.networks.catalogue import NetworkCatalogue, shipped_network
 from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.scenario.validation import validate_data
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 from tests.api.conftest import wait_until_final
 from tests.simulation.test_perceived import Witness
 

@@ -17,7 +17,7 @@ from drivora_service.observations.run_view import RunView
 from drivora_service.oracles.lane_keeping import LaneKeeping
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 from tests.simulation.episodes import ROAD, ego, place, scenario
 
 

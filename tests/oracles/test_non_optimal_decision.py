@@ -32,7 +32,7 @@ from drivora_service.scenario.model import (
     Scenario,
 )
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 from drivora_service.testing.networks import EAST, straight_road
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
 from tests.simulation.episodes import CAR, network, place

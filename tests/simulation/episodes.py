@@ -35,7 +35,7 @@ from drivora_service.scenario.model import (
     Waypoint,
 )
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 
 ROAD = "harbour_1_0"
 """126 m of tee-town, nearly straight, 50 km/h."""

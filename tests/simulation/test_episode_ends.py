@@ -20,7 +20,7 @@ from drivora_service.oracles.route_deviation import RouteDeviation
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.scenario.model import AgentChoice, EgoVehicle, LightTimes, TrafficLights
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 from tests.simulation.episodes import (
     ROAD,
     Blind,

@@ -10,7 +10,7 @@ from drivora_service.observations.trace import EgoCol, Light, TerminalEvent
 from drivora_service.oracles.destination import Destination
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.scenario.model import LightTimes, TrafficLights
-from drivora_service.simulation.plan import plan_episode, signal_time
+from drivora_service.simulation.planning import plan_episode, signal_time
 from tests.simulation.episodes import (
     ego,
     network,

@@ -24,7 +24,7 @@ from drivora_service.scenario.model import (
     Weather,
 )
 from drivora_service.simulation.dynamics import GRAVITY, Body, CommandMode
-from drivora_service.simulation.plan import plan_npc
+from drivora_service.simulation.planning_npcs import plan_npc
 from tests.simulation.episodes import (
     ROAD,
     Scripted,

@@ -13,7 +13,7 @@ from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.observations.trace import LEVEL_GAP, Col
 from drivora_service.scenario.model import MapRegion, Scenario, Waypoint
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 from tests.simulation.episodes import Watching, car, ego
 
 

@@ -21,7 +21,7 @@ from drivora_service.scenario.model import (
     WeatherChange,
 )
 from drivora_service.scenario.weather import weather_effects
-from drivora_service.simulation.plan import plan_npc
+from drivora_service.simulation.planning_npcs import plan_npc
 from tests.simulation.episodes import (
     ROAD,
     Scripted,

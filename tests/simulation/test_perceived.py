@@ -19,7 +19,7 @@ from drivora_service.scenario.model import BackgroundTraffic, Scenario, Weather
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.perceived import Perceived, perceive_again
 from drivora_service.simulation.perception import Sense, Sight
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 from tests.simulation.episodes import ROAD, car, ego, network, obstacle, place, scenario, walker
 
 FOG = Weather(fog_density=85.0, fog_distance=10.0, sun_altitude_angle=-10.0)

@@ -22,7 +22,7 @@ from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.scenario.validation import validate_data, validate_document
 from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
-from drivora_service.simulation.plan import plan_npc
+from drivora_service.simulation.planning_npcs import plan_npc
 from drivora_service.studies.road_coverage import CELL, RoadCoverage
 
 

@@ -8,7 +8,8 @@ import pytest
 from drivora_service.agents.idm.agent import IdmAgent
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import EpisodePlan, plan_episode
+from drivora_service.simulation.plan import EpisodePlan
+from drivora_service.simulation.planning import plan_episode
 from drivora_service.training.courses import plans
 from drivora_service.training.leaders import with_leaders
 from tests.simulation.episodes import contacts, ego, network, place, scenario, speeds

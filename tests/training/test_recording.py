@@ -15,7 +15,7 @@ from drivora_service.agents.interface import (
     PedalControl,
 )
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 from drivora_service.training.courses import COURSES, plans
 from drivora_service.training.recording import (
     Jerks,

@@ -11,7 +11,7 @@ from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.scenario.conversion import to_scenario
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.planning import plan_episode
 from tests.oracles.responsibility.case import AT_FAULT, NOT_AT_FAULT, UNDETERMINED, Case
 from tests.oracles.responsibility.families import all_cases
 from tests.oracles.responsibility.ways import town

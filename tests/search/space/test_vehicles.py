@@ -18,7 +18,7 @@ from drivora_service.search.space.npc_paths import NpcPath
 from drivora_service.search.space.options import LEAST_SPEED, SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.vehicle_genes import MODELS
-from drivora_service.simulation.plan import plan_npc
+from drivora_service.simulation.planning_npcs import plan_npc
 from tests.search.space.seeds import SHIPPED, block_named, drawn, space_around
 
 ONE = SpaceOptions(vehicles=1, walkers=0, weather=False)
