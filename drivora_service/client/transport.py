@@ -107,7 +107,8 @@ class ApplicationTransport(httpx.BaseTransport):
         self._lock = threading.Lock()
         self._stack = contextlib.ExitStack()
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._closing: Future[None] | None = None
+        self._closing: asyncio.Future[None] | None = None
+        self._closed: Future[None] = Future()
         self._is_closed = False
 
     def handle_request(self, request: httpx.Request) -> httpx.Response:
@@ -136,19 +137,38 @@ class ApplicationTransport(httpx.BaseTransport):
         Raises:
             Exception: The application raised it at its shutdown.
         """
-        with self._lock:
-            self._is_closed = True
-            if self._loop is None:
-                return
-            if self._closing is None:
-                coroutine = self._inner.aclose()
-                self._closing = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
-        interrupt = _wait(self._closing)
+        interrupt: KeyboardInterrupt | None = None
+        while not self._closed.done():
+            try:
+                with self._lock:
+                    self._is_closed = True
+                    if self._loop is None:
+                        break
+                    # Again after an interrupt, which may have come before this had an effect.
+                    self._loop.call_soon_threadsafe(self._begin_closing)
+                wait([self._closed])
+            except KeyboardInterrupt as error:
+                interrupt = error
         atexit.unregister(self.close)
         with self._stack:
-            self._closing.result()
+            if self._closed.done():
+                self._closed.result()
             if interrupt is not None:
                 raise interrupt
+
+    def _begin_closing(self) -> None:
+        """Closes the application, in its event loop, unless that has begun."""
+        if self._closing is None:
+            self._closing = asyncio.ensure_future(self._inner.aclose())
+            self._closing.add_done_callback(self._tell_closed)
+
+    def _tell_closed(self, closing: asyncio.Future[None]) -> None:
+        if closing.cancelled():
+            self._closed.cancel()
+        elif (error := closing.exception()) is not None:
+            self._closed.set_exception(error)
+        else:
+            self._closed.set_result(None)
 
     def _running(self) -> asyncio.AbstractEventLoop:
         with self._lock:
@@ -221,14 +241,3 @@ def _call(loop: asyncio.AbstractEventLoop, coroutine: Coroutine[Any, Any, T]) ->
     except BaseException:
         future.cancel()
         raise
-
-
-def _wait(future: Future[None]) -> KeyboardInterrupt | None:
-    """Waits for the end of a future; returns an interrupt that came meanwhile."""
-    interrupt = None
-    while not future.done():
-        try:
-            wait([future])
-        except KeyboardInterrupt as error:
-            interrupt = error
-    return interrupt

@@ -277,6 +277,27 @@ def test_an_interrupt_while_closing_waits_for_the_shutdown() -> None:
     assert app.events[-1] == "done"
 
 
+def test_an_interrupt_before_the_closing_has_begun_waits_for_the_shutdown(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Known(Small):
+        async def live(self, scope: Any, receive: Receive, send: Send) -> None:
+            self.loop = asyncio.get_running_loop()
+            await super().live(scope, receive, send)
+
+    def interrupted(*_: Any) -> None:
+        monkeypatch.undo()
+        raise KeyboardInterrupt
+
+    app = Known(hello)
+    client = client_of(app)
+    client.get("/")
+    monkeypatch.setattr(app.loop, "call_soon_threadsafe", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        client.close()
+    assert app.events[-1] == "shutdown"
+
+
 def test_the_shutdown_runs_after_a_cancellation() -> None:
     app = Small(echo)
 
