@@ -132,6 +132,8 @@ def test_the_database_locked_by_another_process(service: Service, check: Judge, 
     work = service.post(good_runs(30))
     service.wait_until_ended(work, 3)
     before = lines(service)
+    paths = ("/healthz", "/readyz", f"/api/v1/batches/{work.batch}")
+    unlocked = [service.latency(path) for path in paths * 3]
     latencies = []
     with contextlib.closing(sqlite3.connect(service.data / "drivora.sqlite3")) as locker:
         locker.isolation_level = None
@@ -142,7 +144,6 @@ def test_the_database_locked_by_another_process(service: Service, check: Judge, 
             answer = client.post("/jobs", json=json.loads(good_runs(1)[0].document))
         answered = time.monotonic() - begun
         while time.monotonic() - begun < LOCKED_S:
-            paths = ("/healthz", "/readyz", f"/api/v1/batches/{work.batch}")
             latencies += [service.latency(path) for path in paths]
             time.sleep(1.0)
         locker.execute("ROLLBACK")
@@ -152,5 +153,7 @@ def test_the_database_locked_by_another_process(service: Service, check: Judge, 
     assert int(answer.headers["Retry-After"]) > 0
     assert answered < 30.0
     assert told <= LINES_PER_FAULT, f"{told} lines in {LOCKED_S:g} s: {service.log_tail()}"
-    assert statistics.median(latencies) < 0.1, sorted(latencies)[-5:]
-    assert max(latencies) < 1.0, sorted(latencies)[-5:]
+    # Beside those of the same machine without a lock, which may have other work.
+    usual = statistics.median(unlocked)
+    assert statistics.median(latencies) < 0.1 + 3.0 * usual, (sorted(latencies)[-5:], usual)
+    assert max(latencies) < 1.0 + 10.0 * usual, (sorted(latencies)[-5:], usual)
