@@ -1,0 +1,70 @@
+"""Scenes whose space is searched, outside a campaign."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from drivora_service.campaigns.catalogues import Catalogues
+from drivora_service.campaigns.engine import Search
+from drivora_service.campaigns.preparing import prepare_search
+from drivora_service.campaigns.reading import read_campaign
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """A seed scenario, its space, and the ADS of its egos.
+
+    Attributes:
+        scenario: The document; agents that it names do not count.
+        space: What varies, as in a campaign file.
+        agent: Name of the ADS.
+    """
+
+    name: str
+    scenario: dict[str, Any]
+    space: dict[str, Any]
+    agent: str
+
+
+@cache
+def catalogues() -> Catalogues:
+    """Returns the catalogues of campaigns; one a process."""
+    return Catalogues(NetworkCatalogue(shipped_networks()))
+
+
+def scenes_of(study: Path, agent: str) -> tuple[Scene, ...]:
+    """Reads the scenes of a study file; each has a scenario and a space of its own."""
+    return tuple(
+        Scene(
+            name=one["label"],
+            scenario=json.loads((study.parent / one["file"]).read_text()),
+            space=one["space"],
+            agent=agent,
+        )
+        for one in yaml.safe_load(study.read_text())["scenarios"]
+    )
+
+
+def prepared(scene: Scene) -> Search:
+    """Prepares random search in a scene.
+
+    Raises:
+        InvalidDocument: The scene has no such space.
+    """
+    document = {
+        "name": scene.name,
+        "tester": {"name": "random"},
+        "agent": {"name": scene.agent},
+        "scenario": scene.scenario,
+        "space": scene.space,
+        "budget": {"simulations": 1},
+    }
+    valid = read_campaign(json.dumps(document), catalogues())
+    return prepare_search(valid, catalogues(), run_prefix="scene")
