@@ -51,6 +51,7 @@ SPACES: dict[str, dict[str, Any]] = {
     "behavexplor": {},
     "samota": {},
     "doppeltest": {"egos": 4, "vehicles": 0, "walkers": 2, "weather": False, "lights": True},
+    "drivefuzz": {"vehicles": 5, "walkers": 3, "obstacles": 2, "patches": 3, "optional": True},
 }
 """The space of each method, apart from defaults."""
 
@@ -107,6 +108,7 @@ def run_whole(
             ScenarioSpace(seed.scenario, seed.network, valid.campaign.space).genes
             for seed in valid.seeds
         ],
+        oracles=valid.campaign.oracles,
     )
     return {
         "method": wanted.tester,

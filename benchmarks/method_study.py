@@ -29,6 +29,7 @@ from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.grouping import Grouping
 from drivora_service.cli.campaign_files import shipped_campaigns
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.oracles.failure_facts import relation
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.studies.comparison import compare_campaigns, measure
 from drivora_service.studies.figures import CampaignFigures
@@ -154,8 +155,17 @@ def campaign_name(scene: Scene, arm: Arm, repetition: int) -> str:
 _FORMER_NAMES = {"group": "method", "rules": "oracles", "clusters": "groups", "key": "kind"}
 """Names in results of earlier revisions, with the present ones."""
 
-_RECORDED_LATER = ("avoidable", "unavoidable", "undetermined")
-"""Figures that results of earlier revisions lack; they cannot be compared by them."""
+_RECORDED_LATER: dict[str, Any] = {
+    **dict.fromkeys(("avoidable", "not_measurable", "unavoidable", "undetermined"), 0),
+    **dict.fromkeys(("not_judged", "not_at_fault", "avoidable_kinds", "avoidable_situations"), 0),
+    "first_avoidable": None,
+    "found_avoidable": (),
+}
+"""Figures that these results lack, with what stands for them; they cannot be compared by them."""
+
+
+_NOT_RECORDED = {*_RECORDED_LATER, "first_avoidable_s", "unchanged_share"}
+"""Measures that need what these results lack."""
 
 
 def read(path: Path) -> Iterator[dict[str, Any]]:
@@ -172,26 +182,22 @@ def _renamed(values: Mapping[str, Any]) -> dict[str, Any]:
     return {_FORMER_NAMES.get(name, name): value for name, value in values.items()}
 
 
-def with_groups(lines: Sequence[dict[str, Any]]) -> list[CampaignFigures]:
-    """Groups the failures of all campaigns on a scene at once, and counts each campaign's groups.
-
-    Groups made campaign by campaign could not be compared: their scales would differ.
-    """
-    violations = [[_verdict(found) for found in line["failures"]] for line in lines]
-    counts = Grouping().count_each(violations)
-    situations = count_situations(violations)
-    return [
-        CampaignFigures(
-            **{
-                **dict.fromkeys(_RECORDED_LATER, 0),
-                **line["figures"],
-                "found": tuple(line["figures"]["found"]),
-                "groups": groups,
-                "situations": places,
-            }
-        )
-        for line, groups, places in zip(lines, counts, situations, strict=True)
+def figures_of_line(line: dict[str, Any]) -> CampaignFigures:
+    """Returns the figures of a campaign: a function of its own failures alone."""
+    # Not by kind, which a part of these results lacks: its place is told by its coordinates, too.
+    failures = [
+        (f"{verdict.oracle}|{relation(verdict.evidence)}", verdict)
+        for verdict in map(_verdict, line["failures"])
     ]
+    return CampaignFigures(
+        **{
+            **_RECORDED_LATER,
+            **line["figures"],
+            "found": tuple(line["figures"]["found"]),
+            "groups": Grouping().count([verdict for _, verdict in failures]),
+            "situations": count_situations(failures),
+        }
+    )
 
 
 def _verdict(found: dict[str, Any]) -> Verdict:
@@ -240,9 +246,8 @@ def _until(line: dict[str, Any], limit: float) -> dict[str, Any]:
 def show(options: argparse.Namespace) -> None:
     """Prints the comparison as Markdown."""
     lines = list(read(options.results))
-    for name in set(options.measure).intersection(_RECORDED_LATER):
-        if any(name not in line["figures"] for line in lines):
-            raise SystemExit(f"these results do not record {name!r}: leave the measure out")
+    for name in set(options.measure).intersection(_NOT_RECORDED):
+        raise SystemExit(f"these results do not record {name!r}: leave the measure out")
     if options.ablation:
         print_heading("without")
         for twin in TWINS:
@@ -273,7 +278,7 @@ def figures(
             if line["figures"]["scenario"] == scene.name and line["figures"]["method"] in methods
         ]
         if scene.egos == egos and here:
-            found += with_groups(at_equal_time(here) if equal_time else here)
+            found += map(figures_of_line, at_equal_time(here) if equal_time else here)
     return found
 
 
@@ -306,7 +311,7 @@ def main() -> None:
     showing.add_argument(
         "--measure",
         nargs="+",
-        default=["at_fault", "groups", "situations", "kinds", "oracles", "first_failure"],
+        default=["at_fault", "situations", "kinds", "oracles", "first_failure"],
     )
     showing.add_argument(
         "--ablation",

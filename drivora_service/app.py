@@ -28,6 +28,7 @@ from drivora_service.execution.infrastructure import Infrastructure, folder_prob
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.ownership import Ownership
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.oracles.laws.sources import law_sources
 from drivora_service.retention_settings import retention
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
@@ -123,6 +124,7 @@ def create_service(
     catalogues = Catalogues(
         NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
         settings.agents_folder,
+        law_sources(settings.laws_folder),
     )
     minimizations = MinimizationRunner(
         lambda: database,
@@ -225,6 +227,7 @@ def _engine_setup(settings: Settings) -> EngineSetup:
         imported_networks=settings.imported_networks_dir,
         workers=settings.workers,
         agents=settings.agents_folder,
+        laws=law_sources(settings.laws_folder),
     )
 
 

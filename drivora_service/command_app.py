@@ -31,6 +31,7 @@ from drivora_service.execution.infrastructure import Infrastructure, folder_prob
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.ownership import Ownership, cancel_runs_of_dead_commands
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.oracles.laws.sources import law_sources
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
 from drivora_service.store.command_database import CommandDatabase
@@ -166,6 +167,7 @@ def create_command_app(
     catalogues = Catalogues(
         NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
         settings.agents_folder,
+        law_sources(settings.laws_folder),
     )
 
     def campaign_folder(campaign_id: str) -> CampaignFolder:

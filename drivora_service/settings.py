@@ -33,6 +33,11 @@ class Settings(BaseSettings):
         description="Folder of installed agents and of manifests (NAME/agent.yaml); "
         "unless given: `agents` in the data folder.",
     )
+    laws_dir: Path | None = Field(
+        default=None,
+        description="Folder of your traffic laws (FILE.yaml); unless given: `laws` in the data "
+        "folder. They are read when a service or command starts.",
+    )
     database_url: str = Field(
         default="",
         description="SQLAlchemy address of the database; empty: SQLite in the data folder.",
@@ -144,6 +149,11 @@ class Settings(BaseSettings):
     def agents_folder(self) -> Path:
         """Folder of installed agents and of the operator's manifests, absolute."""
         return (self.agents_dir or self.data_dir / "agents").resolve()
+
+    @property
+    def laws_folder(self) -> Path:
+        """Folder of the user's traffic laws, absolute."""
+        return (self.laws_dir or self.data_dir / "laws").resolve()
 
     @property
     def campaigns_dir(self) -> Path:

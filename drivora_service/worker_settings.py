@@ -8,6 +8,7 @@ from drivora_service.agents.remote.confinement import Confinement, account
 from drivora_service.errors import ConfigurationError
 from drivora_service.execution.executor import Limits as RunLimits
 from drivora_service.networks.catalogue import shipped_networks
+from drivora_service.oracles.laws.sources import law_sources
 from drivora_service.settings import Settings
 from drivora_service.worker.setup import WorkerSetup
 
@@ -23,6 +24,7 @@ def worker_setup(settings: Settings) -> WorkerSetup:
         imported_networks=settings.imported_networks_dir,
         agents=settings.agents_folder,
         agent_deadline_s=settings.agent_deadline_s,
+        laws=law_sources(settings.laws_folder),
         confinement=_confinement(settings),
     )
 

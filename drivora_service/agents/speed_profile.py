@@ -57,3 +57,14 @@ def slow_down_in_time(wanted: FloatArray, arc: FloatArray, deceleration: float) 
     for i in range(wanted.shape[0] - 2, -1, -1):
         reach = math.sqrt(wanted[i + 1] ** 2 + 2.0 * deceleration * (arc[i + 1] - arc[i]))
         wanted[i] = min(wanted[i], reach)
+
+
+@compiled
+def slow_down_within(wanted: FloatArray, arc: FloatArray, decelerations: FloatArray) -> None:
+    """Lowers desired speeds (n,) in place, so that braking at the (n,) ``decelerations`` suffices.
+
+    That of a point is available up to the next one.
+    """
+    for i in range(wanted.shape[0] - 2, -1, -1):
+        reach = math.sqrt(wanted[i + 1] ** 2 + 2.0 * decelerations[i] * (arc[i + 1] - arc[i]))
+        wanted[i] = min(wanted[i], reach)

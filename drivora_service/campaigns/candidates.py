@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from drivora_service.geometry.arrays import FloatArray
-from drivora_service.runs.candidate import Candidate, SpaceSource
+from drivora_service.runs.candidate import Candidate, Reference, SpaceSource
 from drivora_service.search.genes import GeneSpace
 
 
@@ -22,6 +22,6 @@ class Candidates(Protocol):
         """The space as workers get it, which decode the values."""
         ...
 
-    def prepare(self, values: FloatArray) -> Candidate:
+    def prepare(self, values: FloatArray, reference: Reference | None = None) -> Candidate:
         """Repairs values (d,), decodes them, and checks the scenario, as workers do."""
         ...

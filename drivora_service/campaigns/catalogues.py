@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
     from drivora_service.networks.catalogue import NetworkCatalogue
     from drivora_service.oracles.catalogue import OracleCatalogue
+    from drivora_service.oracles.laws.sources import LawSource
     from drivora_service.search.catalogue import TesterCatalogue
 
 
@@ -20,15 +21,22 @@ class Catalogues:
     which most commands and requests need none.
     """
 
-    def __init__(self, networks: NetworkCatalogue, agents_folder: Path | None = None) -> None:
+    def __init__(
+        self,
+        networks: NetworkCatalogue,
+        agents_folder: Path | None = None,
+        laws: tuple[LawSource, ...] = (),
+    ) -> None:
         """Prepares; nothing is looked up yet.
 
         Args:
             networks: The road networks.
             agents_folder: Folder of installed agents and of the operator's manifests.
+            laws: The user's law files.
         """
         self.networks = networks
         self._agents_folder = agents_folder
+        self._laws = laws
 
     @cached_property
     def agents(self) -> AgentCatalogue:
@@ -49,4 +57,4 @@ class Catalogues:
         """The oracles of this installation."""
         from drivora_service.oracles.catalogue import OracleCatalogue
 
-        return OracleCatalogue()
+        return OracleCatalogue(self._laws)

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields as dataclass_fields
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, JsonValue, ValidationInfo, field_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    JsonValue,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from drivora_service.campaigns.campaign import (
@@ -19,8 +26,10 @@ from drivora_service.campaigns.campaign import (
 from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import AgentDocument, EntityDocument, FreeData
-from drivora_service.scenario.model import AgentChoice, NpcBehavior
-from drivora_service.search.space.options import SpaceOptions
+from drivora_service.scenario.model import AgentChoice, NpcBehavior, RouteEnd
+from drivora_service.search.space.option_checks import MAX_MIN_SPEED, MAX_WAIT, SLICE_TIMES
+from drivora_service.search.space.options import SpaceOptions, VehicleStarts
+from drivora_service.search.space.presets import PRESETS, SpacePreset
 
 _DEFAULTS = SpaceOptions()
 MAX_ACTORS = 64
@@ -37,6 +46,21 @@ def _number(unit: str, low: float, high: float) -> Any:
     return Field(
         strict=True, allow_inf_nan=False, ge=low, le=high, json_schema_extra={"x-unit": unit}
     )
+
+
+def _zero_or(least: float) -> Callable[[float], float]:
+    """Returns a check that a number is 0 or at least another."""
+
+    def check(value: float) -> float:
+        if 0.0 < value < least:
+            raise PydanticCustomError(
+                "too_small",
+                "found {found}; 0 and {least} or more are allowed",
+                {"found": value, "least": least},
+            )
+        return value
+
+    return check
 
 
 def _no_repetition(names: tuple[str, ...]) -> tuple[str, ...]:
@@ -62,11 +86,22 @@ def _no_second_name(seeds: tuple[SeedDocument, ...]) -> tuple[SeedDocument, ...]
 
 PluginName = Annotated[str, Field(strict=True, pattern=fields.NAME_PATTERN)]
 Actors = Annotated[int, _count(0, MAX_ACTORS)]
+Patches = Annotated[int, _count(0, fields.MAX_FRICTION_PATCHES)]
 Egos = Annotated[int, _count(1, fields.MAX_EGOS)]
 Slices = Annotated[int, _count(1, 50)]
 Paths = Annotated[int, _count(1, 1000)]
 Reach = Annotated[float, _number("m", 10.0, 2000.0)]
 SpeedFactor = Annotated[float, _number("1", 0.1, 3.0)]
+Speed = Annotated[float, _number("m/s", 0.0, MAX_MIN_SPEED)]
+SliceTime = Annotated[
+    float, _number("s", 0.0, SLICE_TIMES[1]), AfterValidator(_zero_or(SLICE_TIMES[0]))
+]
+Limit = Annotated[
+    float,
+    _number("m/s²", 0.0, fields.ACCELERATIONS[1]),
+    AfterValidator(_zero_or(fields.ACCELERATIONS[0])),
+]
+Wait = Annotated[float, _number("s", 0.0, MAX_WAIT)]
 Delay = Annotated[float, _number("s", 0.0, 600.0)]
 Simulations = Annotated[int, _count(1, MAX_BUDGET)]
 Workers = Annotated[int, _count(1, 1024)]
@@ -97,6 +132,10 @@ class TesterDocument(EntityDocument):
 class SpaceDocument(EntityDocument):
     """The variable parts beside the fixed scenario."""
 
+    preset: SpacePreset | None = Field(
+        None,
+        description="A named space, whose values stand where none is given here.",
+    )
     egos: Egos = Field(
         _DEFAULTS.egos,
         description="Number of egos. 1: the scenario's own, unchanged. More: routes, starts and "
@@ -107,6 +146,7 @@ class SpaceDocument(EntityDocument):
     obstacles: Actors = Field(
         _DEFAULTS.obstacles, description="Static objects beside or partly on an ego's way."
     )
+    patches: Patches = Field(_DEFAULTS.patches, description="Slippery patches on an ego's way.")
     optional: bool = Field(
         _DEFAULTS.optional, strict=True, description="Whether each of these may be absent."
     )
@@ -124,6 +164,41 @@ class SpaceDocument(EntityDocument):
     paths: Paths = Field(
         _DEFAULTS.paths, description="Greatest number of paths that NPC vehicles choose from."
     )
+    starts: VehicleStarts = Field(
+        _DEFAULTS.starts,
+        description="free: model, path and start of NPC vehicles vary; fixed: they are chosen "
+        "once, near the first ego, and only what the vehicles do varies.",
+    )
+    slice_time: SliceTime = Field(
+        _DEFAULTS.slice_time,
+        description="Seconds of a slice, in which an NPC vehicle drives at its speed, or stands, "
+        "and keeps its lane or changes to the left or right. 0: slices are places on its path.",
+    )
+    lane_changes: bool = Field(
+        _DEFAULTS.lane_changes, strict=True, description="Whether NPC vehicles change lanes."
+    )
+    at_end: RouteEnd = Field(
+        _DEFAULTS.at_end,
+        description="leave: NPC vehicles leave the road at the end of their way; stay: they brake "
+        "to a standstill there, and stay.",
+    )
+    max_wait: Wait = Field(
+        _DEFAULTS.max_wait,
+        description="Longest time for which an NPC vehicle stands at one of its waypoints; 0: none "
+        "does.",
+    )
+    max_deceleration: Limit = Field(
+        _DEFAULTS.max_deceleration,
+        description="Greatest planned braking of an NPC vehicle. 0: they are told none.",
+    )
+    max_lateral_acceleration: Limit = Field(
+        _DEFAULTS.max_lateral_acceleration,
+        description="Greatest lateral acceleration of an NPC vehicle in bends and lane changes. "
+        "0: they are told none.",
+    )
+    min_speed: Speed = Field(
+        _DEFAULTS.min_speed, description="Least desired speed of an NPC vehicle."
+    )
     max_speed_factor: SpeedFactor = Field(
         _DEFAULTS.max_speed_factor,
         description="Greatest desired speed of an NPC vehicle over the speed limit of its lane.",
@@ -135,6 +210,21 @@ class SpaceDocument(EntityDocument):
         _DEFAULTS.max_ego_delay,
         description="Latest start time of egos, if egos vary.",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _filled_by_preset(cls, content: object) -> object:
+        # The values become part of the document: a stored campaign keeps its space, whatever
+        # becomes of the preset.
+        if not isinstance(content, Mapping):
+            return content
+        given = {key: value for key, value in content.items() if value is not None}
+        name = given.get("preset")
+        if not isinstance(name, str) or name not in set(SpacePreset):
+            return content
+        options = PRESETS[SpacePreset(name)].options
+        values = {one.name: getattr(options, one.name) for one in dataclass_fields(options)}
+        return {**values, **given}
 
 
 class SeedDocument(EntityDocument):

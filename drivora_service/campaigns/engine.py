@@ -168,7 +168,7 @@ class Engine:
                     number=self._next,
                     turn=turn,
                     proposal=turn.take(proposal, self._next),
-                    asked_sha256=_sha256(proposal.values.tobytes()),
+                    asked_sha256=_sha256(_asked(proposal)),
                     stored=next(self._stored, None),
                 )
                 self._next += 1
@@ -190,6 +190,8 @@ class Engine:
             candidate=CandidateSource(
                 space=waiting.turn.part.candidates.source,
                 values=tuple(waiting.proposal.values.tolist()),
+                reference=waiting.proposal.reference,
+                adversary=waiting.proposal.adversary,
             ),
         )
 
@@ -304,15 +306,19 @@ class Engine:
         """
         new, old = waiting.proposal, stored.proposal
         problem = ""
-        if (new.origin, new.generation, new.parents) != (old.origin, old.generation, old.parents):
+        if _making(new) != _making(old):
             problem = "another origin"
         elif stored.asked_sha256 not in ("", waiting.asked_sha256):
             problem = "other values"
         elif not stored.asked_sha256 or waiting.number % _COMPARED_EVERY == 0:
-            candidate = waiting.turn.part.candidates.prepare(new.values)
+            candidate = waiting.turn.part.candidates.prepare(new.values, new.reference)
             if candidate.values != tuple(old.values.tolist()):
                 problem = "other values"
-            elif _sha256(candidate.document.encode()) != stored.document_sha256:
+            elif (
+                # What an adversary does is known after a run only.
+                new.adversary is None
+                and _sha256(candidate.document.encode()) != stored.document_sha256
+            ):
                 problem = "another scenario"
         if problem:
             raise CampaignError(
@@ -336,6 +342,24 @@ class Engine:
             ) from error
         finally:
             self._search_s += time.perf_counter() - begun
+
+
+def _making(proposal: Proposal) -> tuple[object, ...]:
+    """Returns how a candidate was made."""
+    return proposal.origin, proposal.generation, proposal.parents, proposal.redrawn
+
+
+def _asked(proposal: Proposal) -> bytes:
+    """Returns what identifies a proposal when its campaign is resumed.
+
+    The policy of an adversary is left out: it follows from evaluations that are compared, and a
+    tester that has a checkpoint need not make it again.
+    """
+    adversary = proposal.adversary
+    if adversary is None:
+        return proposal.values.tobytes()
+    rest = replace(adversary, policy="")
+    return proposal.values.tobytes() + repr(rest).encode()
 
 
 def _sha256(data: bytes) -> str:

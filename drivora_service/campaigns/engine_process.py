@@ -18,6 +18,7 @@ from drivora_service.campaigns.queue_evaluator import QueueEvaluator
 from drivora_service.campaigns.stored import run_stored
 from drivora_service.errors import Conflict, DrivoraError, PluginError, StoreUnavailable
 from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.oracles.laws.sources import LawSource
 from drivora_service.store.database import open_database
 from drivora_service.store.traces import TraceFolder
 from drivora_service.worker.parent_death import die_with_parent
@@ -42,6 +43,7 @@ class EngineSetup:
         campaigns: Folder of all campaigns.
         traces: Folder of the service's traces.
         workers: Number of runs that the service performs at once.
+        laws: The user's law files.
     """
 
     database_url: str
@@ -51,6 +53,7 @@ class EngineSetup:
     imported_networks: Path | None
     workers: int
     agents: Path | None = None
+    laws: tuple[LawSource, ...] = ()
 
     def folder(self, campaign_id: str) -> CampaignFolder:
         """Returns the folder of a campaign."""
@@ -108,7 +111,9 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
             campaign_id,
             setup.folder(campaign_id),
             catalogues=Catalogues(
-                NetworkCatalogue(setup.shipped_networks, setup.imported_networks), setup.agents
+                NetworkCatalogue(setup.shipped_networks, setup.imported_networks),
+                setup.agents,
+                setup.laws,
             ),
             evaluator=evaluating,
             only_queued=True,

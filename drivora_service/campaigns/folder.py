@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from drivora_service.campaigns.checkpoints import FolderCheckpoints
 from drivora_service.errors import StoreError
 from drivora_service.store.campaign_records import CampaignRecord, CampaignRequest, CampaignState
 from drivora_service.store.database import Database
@@ -29,6 +30,14 @@ class CampaignFolder:
         self.path = root / campaign_id
         self.traces = CampaignTraces(root).folder(campaign_id)
         self._id = campaign_id
+
+    def checkpoints(self, told: int) -> FolderCheckpoints:
+        """Returns the checkpoints of its tester.
+
+        Args:
+            told: Number of evaluations that are stored.
+        """
+        return FolderCheckpoints(self.path / "checkpoints", told)
 
     @property
     def is_running(self) -> bool:

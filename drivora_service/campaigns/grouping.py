@@ -46,16 +46,13 @@ class Grouping:
             labels[indices] = self._label(features)
         return tuple(labels.tolist())
 
-    def count_each(self, samples: Sequence[Sequence[Verdict]]) -> tuple[int, ...]:
-        """Returns the number of groups in each of several samples of violations.
+    def count(self, verdicts: Sequence[Verdict]) -> int:
+        """Returns the number of groups of the violations of one campaign.
 
-        All violations are grouped together: groups made sample by sample could not be compared, as
-        each would have a scale of its own.
+        The scale is their own spread: numbers of different campaigns cannot be compared.
         """
-        labels = iter(self.label([verdict for sample in samples for verdict in sample]))
-        return tuple(
-            len({(verdict.oracle, next(labels)) for verdict in sample}) for sample in samples
-        )
+        labels = self.label(verdicts)
+        return len({(one.oracle, label) for one, label in zip(verdicts, labels, strict=True)})
 
     def _label(self, features: FloatArray) -> NDArray[np.int64]:
         count = len(features)

@@ -58,6 +58,8 @@ def evaluation_of(record: EvaluationRecord) -> Evaluation:
         proposal=record.proposal,
         status=record.status,
         violations=record.violations,
+        verdicts=record.report.verdicts if judged else (),
         scores=record.report.scores if judged else {},
         measurement=record.report.measurement if judged else None,
+        without_effect=record.report.without_effect if judged else (),
     )

@@ -15,16 +15,25 @@ from drivora_service.campaigns.reading import ValidCampaign
 from drivora_service.campaigns.shuffling import ShuffledFeedback
 from drivora_service.campaigns.turns import SearchPart
 from drivora_service.errors import InvalidDocument, NetworkError, Problem, SearchError
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.planned_motion import PlannedMotion
+from drivora_service.scenario.model import NpcBehavior, Scenario
 from drivora_service.search.catalogue import components_named
 from drivora_service.search.space.candidates import ScenarioCandidates
 from drivora_service.search.space.scenario_space import ScenarioSpace
-from drivora_service.search.tester import Tester, TesterContext
+from drivora_service.search.tester import Checkpoints, Tester, TesterContext
 
 _SEARCH, _SHUFFLE = 0, 1
 """Streams of random numbers that derive from a campaign's seed."""
 
 
-def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: str) -> Search:
+def prepare_search(
+    valid: ValidCampaign,
+    catalogues: Catalogues,
+    *,
+    run_prefix: str,
+    checkpoints: Checkpoints | None = None,
+) -> Search:
     """Builds the search of a campaign: its gene space and its tester.
 
     The same campaign always gives the same search.
@@ -33,11 +42,22 @@ def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: 
         valid: The campaign.
         catalogues: Catalogues for its names.
         run_prefix: Prefix of the ids of the runs.
+        checkpoints: Place for checkpoints of the tester; unused with several seed scenarios, since
+            it numbers the evaluations of one tester.
 
     Raises:
         InvalidDocument: The gene space cannot be built, or the tester cannot search it.
     """
     campaign = valid.campaign
+    plugin = catalogues.testers.plugin(campaign.tester.name)
+    if plugin.compares_paths and campaign.space.behavior is NpcBehavior.SUMO:
+        message = (
+            f"found 'sumo'; tester {plugin.name!r} keeps actors out of the way of the egos, and "
+            "where SUMO drives them is not known before: use 'replay' or 'reactive'"
+        )
+        raise InvalidDocument(
+            (Problem(pointer="/space/behavior", code="unplanned_motion", message=message),)
+        )
     agents = frozenset(catalogues.agents.names())
     parts = []
     for place, seed in enumerate(valid.seeds):
@@ -47,14 +67,18 @@ def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: 
         except (SearchError, NetworkError) as error:
             raise _refusal("/space", "space", named, error) from error
         try:
-            tester = _tester(valid, catalogues, space, place)
+            kept = checkpoints if len(valid.seeds) == 1 else None
+            tester = _tester(valid, catalogues, space, place, kept)
         except SearchError as error:
             raise _refusal("/tester", "tester", named, error) from error
         parts.append(
             SearchPart(
                 tester=tester,
                 candidates=ScenarioCandidates(
-                    space=space, networks=catalogues.networks, agents=agents
+                    space=space,
+                    networks=catalogues.networks,
+                    agents=agents,
+                    motions=_planned_motions,
                 ),
                 kind_of=FailureKinds(seed.network),
             )
@@ -62,7 +86,7 @@ def prepare_search(valid: ValidCampaign, catalogues: Catalogues, *, run_prefix: 
     return Search(
         run_prefix=run_prefix,
         parts=tuple(parts),
-        feedback=catalogues.testers.plugin(campaign.tester.name).feedback,
+        feedback=plugin.feedback,
         oracles=frozenset(campaign.oracles),
         budget=campaign.budget,
         lookahead=campaign.lookahead,
@@ -76,7 +100,11 @@ def search_versions() -> dict[str, str]:
 
 
 def _tester(
-    valid: ValidCampaign, catalogues: Catalogues, space: ScenarioSpace, place: int
+    valid: ValidCampaign,
+    catalogues: Catalogues,
+    space: ScenarioSpace,
+    place: int,
+    checkpoints: Checkpoints | None,
 ) -> Tester:
     """Makes the tester of the seed scenario at a place."""
     campaign, choice = valid.campaign, valid.campaign.tester
@@ -85,6 +113,9 @@ def _tester(
         random=_generator(campaign.seed, _SEARCH, place),
         budget=math.ceil(campaign.budget / len(valid.seeds)),
         conflicts=space.conflicts,
+        decode_alike=space.decode_alike,
+        ego_distance=space.ego_distance,
+        checkpoints=checkpoints,
     )
     components = components_named(mutation=choice.mutation, selection=choice.selection)
     tester = catalogues.testers.create(choice.name, context, choice.parameters, components)
@@ -97,6 +128,15 @@ def _generator(seed: int, stream: int, place: int) -> np.random.Generator:
     # That of the first seed scenario is the same with and without others.
     key = (stream, place) if place else (stream,)
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))
+
+
+def _planned_motions(
+    scenario: Scenario, network: RoadNetwork, until: float
+) -> tuple[PlannedMotion, ...]:
+    # Imported here: only few candidates are decoded outside workers, and it loads the simulation.
+    from drivora_service.simulation.free_motion import planned_motions
+
+    return planned_motions(scenario, network, until)
 
 
 def _refusal(pointer: str, code: str, named: str, error: Exception) -> InvalidDocument:

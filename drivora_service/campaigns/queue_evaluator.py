@@ -126,7 +126,20 @@ class QueueEvaluator:
         with self._database.read() as transaction:
             ended = transaction.campaign_runs.ended(list(self._open))
         self._changes = changes
+        self._forget_policies([report.run_id for report, _ in ended])
         return tuple(self._answer(report, candidate) for report, candidate in ended)
+
+    def _forget_policies(self, run_ids: Sequence[str]) -> None:
+        """Removes the policies of adversaries from runs that have ended: they are large."""
+        played = [
+            run_id
+            for run_id in run_ids
+            if (source := self._open[run_id][1].candidate) is not None
+            and source.adversary is not None
+        ]
+        if played:
+            with self._database.write() as transaction:
+                transaction.campaign_runs.forget_policies(played)
 
     def _answer(self, report: RunReport, candidate: Candidate | None) -> Answer:
         number, spec = self._open.pop(report.run_id)

@@ -6,6 +6,7 @@ import difflib
 import hashlib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from dataclasses import fields as dataclass_fields
 from typing import Any, Literal, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -16,6 +17,7 @@ from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.documents import (
     MAX_SEEDS,
     CampaignDocument,
+    SpaceDocument,
     TesterDocument,
     to_campaign,
 )
@@ -28,6 +30,7 @@ from drivora_service.errors import (
 )
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.oracles.catalogue import OracleCatalogue
+from drivora_service.oracles.non_optimal_decision import NonOptimalDecision
 from drivora_service.parameters import parameter_problems
 from drivora_service.scenario.entities import AgentDocument
 from drivora_service.scenario.model import Scenario
@@ -39,8 +42,12 @@ from drivora_service.search.catalogue import (
     mutation_plugins,
     selection_plugins,
 )
+from drivora_service.search.space.presets import PRESETS
 
 M = TypeVar("M", bound=BaseModel)
+
+_PATH_ORACLE = NonOptimalDecision().name
+"""The oracle that judges only egos with a reference path."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -158,6 +165,7 @@ def read_campaign(
     ]
     if tester is not None:
         problems += _check_tester(tester, catalogues.testers)
+        problems += _check_laws(tester, catalogues)
     if agent is not None:
         problems += _check_agent(agent, catalogues.agents)
     names = content.get("oracles")
@@ -175,13 +183,53 @@ def read_campaign(
         document=document,
         campaign=campaign,
         seeds=seeds,
-        notes=tuple(
-            f"{seed.name}: {note}" if seed.name else note
-            for seed, one in zip(seeds, found, strict=True)
-            for note in one.notes
+        notes=(
+            *_space_notes(document.space),
+            *(
+                f"{seed.name}: {note}" if seed.name else note
+                for seed, one in zip(seeds, found, strict=True)
+                for note in one.notes
+            ),
+            *_oracle_notes(campaign, seeds, catalogues.testers),
         ),
         versions=_versions(campaign, [seed.scenario for seed in seeds], catalogues),
     )
+
+
+def _space_notes(space: SpaceDocument) -> Iterator[str]:
+    """Yields how a preset of the space was interpreted."""
+    if space.preset is None:
+        return
+    preset = PRESETS[space.preset]
+    changed = [
+        one.name
+        for one in dataclass_fields(preset.options)
+        if getattr(space, one.name) != getattr(preset.options, one.name)
+    ]
+    note = f"the space is the preset {space.preset.value!r}: {preset.description}"
+    yield f"{note}; changed in the file: {', '.join(changed)}" if changed else note
+
+
+def _oracle_notes(
+    campaign: Campaign, seeds: Sequence[SeedScenario], testers: TesterCatalogue
+) -> Iterator[str]:
+    """Yields notes on oracles that the tester needs, or that have nothing to judge."""
+    tester = testers.plugin(campaign.tester.name)
+    if tester.oracle and tester.oracle not in campaign.oracles:
+        yield (
+            f"tester {tester.name!r} searches violations of the oracle {tester.oracle!r}, which do "
+            "not count here: name it in `oracles`"
+        )
+    egos = (ego for seed in seeds for ego in seed.scenario.ego_vehicles)
+    if (
+        _PATH_ORACLE in campaign.oracles
+        and not tester.compares_paths
+        and not any(ego.reference_path for ego in egos)
+    ):
+        yield (
+            f"the oracle {_PATH_ORACLE!r} judges nothing here: no ego has a `reference_path`, and "
+            f"tester {tester.name!r} gives them none"
+        )
 
 
 def _versions(
@@ -193,7 +241,10 @@ def _versions(
         **mutation_plugins().versions(tester.mutation),
         **selection_plugins().versions(tester.selection),
     }
-    for oracle in campaign.oracles:
+    oracles = list(campaign.oracles)
+    if _searches_laws(tester.name, catalogues):
+        oracles += catalogues.oracles.library.names()
+    for oracle in oracles:
         found |= catalogues.oracles.versions(oracle)
     for name in sorted({ego.agent.name for seed in seeds for ego in seed.ego_vehicles}):
         found |= catalogues.agents.versions(name)
@@ -292,6 +343,26 @@ def _check_tester(tester: TesterDocument, catalogue: TesterCatalogue) -> Iterato
             yield _unknown(f"/tester/{kind}", error, "")
         except SearchError as error:
             yield Problem(pointer=f"/tester/{kind}", code="plugin", message=str(error))
+
+
+def _searches_laws(name: str, catalogues: Catalogues) -> bool:
+    """Returns whether what a tester is told depends on the traffic laws of the installation."""
+    try:
+        return catalogues.testers.plugin(name).feedback.name == "lawbreaker"
+    except (SearchError, UnknownName):
+        return False
+
+
+def _check_laws(tester: TesterDocument, catalogues: Catalogues) -> Iterator[Problem]:
+    """Checks the names of laws in the parameters of a tester that searches for violations."""
+    names = tester.parameters.get("laws", ())
+    if not isinstance(names, list | tuple) or not _searches_laws(tester.name, catalogues):
+        return
+    known = catalogues.oracles.library.names()
+    for place, name in enumerate(names[:MAX_PROBLEMS]):
+        if isinstance(name, str) and name not in known:
+            pointer = f"/tester/parameters/laws/{place}"
+            yield _unknown(pointer, UnknownName("law", name, known), "`drivora laws list`")
 
 
 def _check_agent(agent: AgentDocument, catalogue: AgentCatalogue) -> Iterator[Problem]:

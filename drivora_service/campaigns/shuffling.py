@@ -13,7 +13,9 @@ class ShuffledFeedback:
     """Tells a tester, for each candidate, the results of one of the candidates judged so far.
 
     It is drawn uniformly, the candidate itself included, so that the tester sees results that are
-    distributed as its own. Whether a candidate is valid is told truly.
+    distributed as its own. Whether a candidate is valid is told truly, and so is which of its genes
+    had no effect: mutants are drawn again as with feedback, so that the twin differs in nothing but
+    the feedback.
     """
 
     def __init__(self, tester: Tester, random: np.random.Generator) -> None:
@@ -32,6 +34,7 @@ class ShuffledFeedback:
             evaluation = replace(
                 evaluation,
                 violations=other.violations,
+                verdicts=other.verdicts,
                 scores=other.scores,
                 measurement=other.measurement,
             )

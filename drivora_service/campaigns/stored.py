@@ -88,7 +88,12 @@ def run_stored(
             valid = read_campaign(record.document, catalogues)
             _refuse_other_network(record, valid)
             _refuse_other_versions(record, valid)
-            search = prepare_search(valid, catalogues, run_prefix=campaign_id)
+            search = prepare_search(
+                valid,
+                catalogues,
+                run_prefix=campaign_id,
+                checkpoints=folder.checkpoints(record.counts.evaluations),
+            )
             with evaluator(valid.campaign.workers) as evaluating:
                 state = conduct(search, evaluating, journal, traces=folder.traces, watcher=asking)
         except KeyboardInterrupt:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 
 from drivora_service.cli.output import print_table
+from drivora_service.studies.accountable_counts import COLUMNS, accountable_rows
 from drivora_service.studies.comparing import Comparison
 from drivora_service.studies.comparison import Difference
 from drivora_service.studies.comparison_text import (
@@ -22,6 +23,13 @@ def print_comparison(comparison: Comparison) -> None:
         print(line)
     for remark in comparison.notes:
         print(f"note: {remark}")
+    counts = accountable_rows(comparison.campaigns)
+    print_table(
+        "What the simulations came to",
+        COLUMNS[1:],
+        [row[1:] for row in counts],
+        headings=[row[0] for row in counts],
+    )
     several = len(comparison.budgets) > 1
     columns = ("method", "median", comparison.baseline, "A12 [95 %]", "p", "Holm", "judgement")
     for _, same in groupby(comparison.differences, key=lambda row: row.measure):

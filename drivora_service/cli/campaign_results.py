@@ -95,7 +95,17 @@ def print_campaign(campaign: Campaign) -> None:
 def _print_seeds(campaign: Campaign) -> None:
     print_table(
         "Seed scenarios",
-        ("name", "network", "runs", "failing", "at fault", "avoidable", "kinds", "first"),
+        (
+            "name",
+            "network",
+            "runs",
+            "failing",
+            "at fault",
+            "avoidable",
+            "kinds",
+            "first",
+            "first avoidable",
+        ),
         (
             (
                 seed.name,
@@ -106,6 +116,7 @@ def _print_seeds(campaign: Campaign) -> None:
                 str(seed.avoidable),
                 str(seed.kinds),
                 "-" if seed.first_failure is None else f"#{seed.first_failure}",
+                "-" if seed.first_avoidable is None else f"#{seed.first_avoidable}",
             )
             for seed in campaign.seeds
         ),

@@ -6,14 +6,13 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Literal
 
-from drivora_service.cli.installation import network_catalogue
+from drivora_service.cli.installation import network_catalogue, oracle_catalogue
 from drivora_service.cli.out_option import writing
 from drivora_service.cli.output import note
 from drivora_service.cli.private_files import give_to_user
 from drivora_service.errors import UnknownName
 from drivora_service.observations.trace_file import read_trace
 from drivora_service.oracles.built_in import judge_all
-from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.plotting.run_picture import draw_run
 from drivora_service.plotting.strip import draw_strip
 from drivora_service.settings import Settings
@@ -44,7 +43,7 @@ def draw_trace(
         ConfigurationError: The picture cannot be written.
         OracleError: An oracle of a package cannot judge.
     """
-    catalogue = OracleCatalogue()
+    catalogue = oracle_catalogue(settings)
     known = catalogue.names()
     for name in oracles:
         if name not in known:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drivora_service.oracles.laws.sources import law_sources
 from drivora_service.settings import Settings, load_settings
 
 if TYPE_CHECKING:
     from drivora_service.campaigns.catalogues import Catalogues
     from drivora_service.networks.catalogue import NetworkCatalogue
+    from drivora_service.oracles.catalogue import OracleCatalogue
 
 
 def settings_for(data_dir: Path | None, **overrides: object) -> Settings:
@@ -29,4 +31,13 @@ def catalogues_for(data_dir: Path | None) -> Catalogues:
     from drivora_service.campaigns.catalogues import Catalogues
 
     settings = settings_for(data_dir)
-    return Catalogues(network_catalogue(settings), settings.agents_folder)
+    return Catalogues(
+        network_catalogue(settings), settings.agents_folder, law_sources(settings.laws_folder)
+    )
+
+
+def oracle_catalogue(settings: Settings) -> OracleCatalogue:
+    """Returns the oracles of this installation, with the user's traffic laws."""
+    from drivora_service.oracles.catalogue import OracleCatalogue
+
+    return OracleCatalogue(law_sources(settings.laws_folder))

@@ -15,6 +15,7 @@ from drivora_service.cli.commands import (
     compare,
     demo,
     export,
+    laws,
     minimize,
     networks,
     oracles,
@@ -91,6 +92,7 @@ app.add_typer(networks.app, name="networks", epilog=EPILOG)
 app.add_typer(agents.app, name="agents", epilog=EPILOG)
 app.add_typer(testers.app, name="testers", epilog=EPILOG)
 app.add_typer(oracles.app, name="oracles", epilog=EPILOG)
+app.add_typer(laws.app, name="laws", epilog=EPILOG)
 app.add_typer(store.app, name="store", epilog=EPILOG)
 app.add_typer(tokens.app, name="tokens", epilog=EPILOG)
 

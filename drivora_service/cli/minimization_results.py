@@ -76,6 +76,7 @@ def _rows(before: ScenarioSize, after: ScenarioSize) -> list[tuple[str, str, str
         "walkers": "walkers",
         "obstacles": "obstacles",
         "background traffic": "background",
+        "slippery patches": "patches",
         "waypoints": "waypoints",
         "settings": "settings",
         "digits of numbers": "digits",
@@ -84,7 +85,7 @@ def _rows(before: ScenarioSize, after: ScenarioSize) -> list[tuple[str, str, str
     rows += [
         (f"  {name}" if place < 5 else name, str(was), str(getattr(after, field)))
         for place, (name, field) in enumerate(counts.items())
-        if (was := getattr(before, field)) or place > 4
+        if (was := getattr(before, field)) or place > 5
     ]
     rows.append(("routes of egos (m)", number(before.route_m), number(after.route_m)))
     rows.append(("simulated time (s)", number(before.sim_time_s), number(after.sim_time_s)))

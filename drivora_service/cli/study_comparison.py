@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from drivora_service.cli.output import print_prose, print_table
+from drivora_service.studies.accountable_counts import COLUMNS, accountable_rows
 from drivora_service.studies.study_comparison import By, StudyComparison
 from drivora_service.studies.study_comparison_text import (
     DETAIL_COLUMNS,
@@ -20,6 +21,11 @@ def print_study_comparison(comparison: StudyComparison) -> None:
     """Prints the overview, then a table a measure."""
     for remark in comparison.notes:
         print(f"note: {remark}")
+    _print_by_first(
+        "What the simulations came to",
+        COLUMNS,
+        accountable_rows(comparison.campaigns, lambda f: f"{f.scenario}, {f.agent}"),
+    )
     for by in By:
         rows = [row for row in comparison.overview if row.by is by]
         if rows:

@@ -29,12 +29,13 @@ class KnownNames:
     metrics: Collection[str]
 
 
-def names_of_installation() -> KnownNames:
-    """Returns the names that this installation knows."""
+def names_of_installation(data_dir: Path | None = None) -> KnownNames:
+    """Returns the names that this installation knows, with the laws beside a data folder."""
+    from drivora_service.cli.installation import oracle_catalogue, settings_for
     from drivora_service.metrics.descriptions import METRICS
-    from drivora_service.oracles.catalogue import OracleCatalogue
 
-    return KnownNames(oracles=OracleCatalogue().names(), metrics=[one.name for one in METRICS])
+    oracles = oracle_catalogue(settings_for(data_dir))
+    return KnownNames(oracles=oracles.names(), metrics=[one.name for one in METRICS])
 
 
 def shipped_suites() -> Path:

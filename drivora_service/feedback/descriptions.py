@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 from drivora_service.oracles.descriptions import SHARE, Better, MeasureDescription, MeasureKind
+
+if TYPE_CHECKING:
+    from drivora_service.oracles.laws.law import Law
 
 _OWN = "Drivora"
 _AVFUZZER = "AV-Fuzzer (Li et al. 2020)"
 _BEHAVEXPLOR = "BehAVExplor (Cheng et al. 2023)"
+_DECICTOR = "Decictor (Cheng et al. 2025)"
+_DEEPCOLLISION = "DeepCollision (Lu et al. 2022)"
 _DOPPELTEST = "DoppelTest (Huai et al. 2023)"
+_DRIVEFUZZ = "DriveFuzz (Kim et al. 2022)"
+_LAWBREAKER = "LawBreaker (Sun et al. 2022)"
 _SAMOTA = "SAMOTA (Ul Haq, Shin and Briand 2022)"
 
 
@@ -82,29 +92,6 @@ OBJECTIVES = (
         source=_BEHAVEXPLOR,
     ),
     _objective(
-        "doppeltest",
-        "ego_distance",
-        "The least gap between two egos.",
-        unit="m",
-        source=_DOPPELTEST,
-    ),
-    _objective(
-        "doppeltest",
-        "decisions",
-        "The negated number of different decisions that all egos took.",
-        better=Better.NEITHER,
-        several_egos="all",
-        source=_DOPPELTEST,
-    ),
-    _objective(
-        "doppeltest",
-        "conflicts",
-        "The negated number of pairs of different routes that meet in a junction.",
-        better=Better.NEITHER,
-        several_egos="all",
-        source=_DOPPELTEST,
-    ),
-    _objective(
         "samota",
         "lane_centre",
         "How near the ego stayed to the centre of its lane; zero where it left its lane.",
@@ -145,5 +132,70 @@ OBJECTIVES = (
         threshold="3 s give one half",
         source=_SAMOTA,
     ),
+    _objective(
+        "doppeltest",
+        "ego_distance",
+        "The least gap between two egos.",
+        unit="m",
+        source=_DOPPELTEST,
+    ),
+    _objective(
+        "doppeltest",
+        "decisions",
+        "The negated number of different decisions that all egos took.",
+        better=Better.NEITHER,
+        several_egos="all",
+        source=_DOPPELTEST,
+    ),
+    _objective(
+        "doppeltest",
+        "conflicts",
+        "The negated number of pairs of different routes that meet in a junction.",
+        better=Better.NEITHER,
+        several_egos="all",
+        source=_DOPPELTEST,
+    ),
+    _objective(
+        "drivefuzz",
+        "driving_quality",
+        "The negated sum of the frames in which the ego accelerated, braked or turned hard, "
+        "oversteered or understeered, and of the inverse of its least distance to another actor "
+        "in metres.",
+        threshold="20 frames a second; hard from 5.9 m/s² along and 4.9 m/s² across",
+        source=_DRIVEFUZZ,
+    ),
+    _objective(
+        "deepcollision",
+        "safety",
+        "One less the greatest probability of a collision, by distances from other actors as a "
+        "share of safety distances; zero for a collision.",
+        source=_DEEPCOLLISION,
+    ),
+    _objective(
+        "decictor",
+        "consistency",
+        "The negative difference of path and motion from those of the reference; at most zero.",
+        unit="m",
+        source=_DECICTOR,
+    ),
 )
 """The objectives, feedback by feedback."""
+
+
+def law_objectives(laws: Sequence[Law]) -> tuple[MeasureDescription, ...]:
+    """Returns the objectives of LawBreaker's feedback: one for each way to violate a law."""
+    # Imported here: it needs the code of laws.
+    from drivora_service.feedback.lawbreaker import objectives_of
+
+    return tuple(
+        _objective(
+            "lawbreaker",
+            name,
+            f"The negated robustness of a way to violate {law.name}, below zero where a run shows "
+            f"it: {case}.",
+            threshold="0",
+            source=_LAWBREAKER,
+        )
+        for law in laws
+        for name, case in zip(objectives_of([law]), law.sub_violations, strict=True)
+    )

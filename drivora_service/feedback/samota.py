@@ -8,7 +8,7 @@ distance in search-based software testing", 2013): the surrogates learn also fro
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -21,9 +21,11 @@ from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.observations.proximity import gaps_between
 from drivora_service.observations.trace import LEVEL_GAP, Col, EgoCol, Light, Role, TerminalEvent
+from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.destination import Destination
 from drivora_service.oracles.lane_keeping import LaneKeeping
 from drivora_service.oracles.red_light import RedLight
+from drivora_service.oracles.responsibility.finding import Fault
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.parameters import read_parameters
 
@@ -42,14 +44,21 @@ _NOT_ARRIVED = (TerminalEvent.STUCK, TerminalEvent.TIME_LIMIT, TerminalEvent.ROU
 _HALF_LANE = 1.75
 """Metres, for an ego that was never on a lane."""
 
+_TOUCH = 0.01
+"""Metres that count as the gap to an actor that the ego touched without being known to be at fault:
+nearer than any other, but no violation."""
+
 Positive = Annotated[float, Field(gt=0.0)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SamotaFeedback:
-    """Measures six objectives in 0..1, 0 where the requirement is violated; of the worst ego.
+    """Measures six objectives in 0..1, 0 where the ego violated the requirement; of the worst ego.
 
-    Without an actor of a role, or without a signal, an objective is not measurable.
+    Without an actor of a role, or without a signal, an objective is not measurable. An actor that
+    collided with the ego by its own fault is left out of the distances of that ego: it tells
+    nothing of what the ego did, and would be the nearest of all. An actor that the ego touched
+    with undetermined fault counts as nearly touched.
 
     Attributes:
         gap: Metres between two boxes that score one half.
@@ -85,9 +94,17 @@ class SamotaFeedback:
         )
 
     def _distance(self, ego: EgoView, roles: tuple[Role, ...]) -> float | None:
-        """Scores the least gap to any actor of these roles; 0 if the boxes touch."""
-        gap = least_gap(ego, roles)
-        return None if gap is None else gap / (gap + self.gap)
+        """Scores the least gap to any actor of these roles; 0 if the ego hit one by its fault."""
+        faults = {one.other.row: one.finding.fault for one in Collision().found(ego)}
+        hit_by = frozenset(row for row, fault in faults.items() if fault is Fault.OTHER)
+        gap = least_gap(ego, roles, without=hit_by)
+        if gap is None:
+            return None
+        hit = {row for row, fault in faults.items() if fault is Fault.EGO}
+        if any(ego.trace.actors[row].role in roles for row in hit):
+            return 0.0
+        gap = max(gap, _TOUCH)
+        return gap / (gap + self.gap)
 
     def _red_light(self, ego: EgoView) -> float | None:
         """Scores the least time before running a red light, for an ego that ran none.
@@ -113,17 +130,23 @@ class SamotaFeedback:
         return 1.0 if np.isinf(least) else least / (least + self.time)
 
 
-def least_gap(ego: EgoView, roles: tuple[Role, ...]) -> float | None:
+def least_gap(
+    ego: EgoView, roles: tuple[Role, ...], *, without: Collection[int] = ()
+) -> float | None:
     """Returns the least distance in metres between an ego's box and any of these roles.
 
-    Actors on another level of a bridge are left out.
+    Actors on another level of a bridge are left out, and those in the rows ``without``.
 
     Returns:
         ``None`` if there was none while the ego drove.
     """
     trace = ego.trace
     rows = np.array(
-        [actor.row for actor in trace.actors if actor.role in roles and actor.row != ego.row],
+        [
+            actor.row
+            for actor in trace.actors
+            if actor.role in roles and actor.row != ego.row and actor.row not in without
+        ],
         dtype=np.int64,
     )
     part = slice(ego.first, ego.first + ego.count)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drivora_service.errors import UnknownName
 from drivora_service.geometry.arrays import FloatArray, Int32Array
+from drivora_service.observations.conditions import frictions_under
 from drivora_service.observations.leaders import leaders
 from drivora_service.observations.own_frame import own_acceleration
 from drivora_service.observations.proximity import gaps_between
@@ -43,7 +44,7 @@ COLUMNS = tuple(
         ("speed_limit", "m/s", "Limit of the ego's lane; missing off all lanes."),
         ("acceleration", "m/s²", "Along the heading, positive forwards."),
         ("lateral_acceleration", "m/s²", "Across the heading, positive to the left."),
-        ("grip", "m/s²", "Greatest acceleration by friction; missing if it is not recorded."),
+        ("grip", "m/s²", "Greatest acceleration by friction there; missing if not recorded."),
         ("available_grip", "m/s²", "What the lateral acceleration leaves of it for braking."),
         ("commanded_acceleration", "m/s²", "What the agent asked for."),
         ("throttle", "", "Pedal that asks for it, 0 to 1; missing for unknown vehicles."),
@@ -81,7 +82,7 @@ def ego_series(ego: EgoView) -> Mapping[str, NDArray[np.generic]]:
     near = ego.proximity if ego.count else None
     ahead = leaders(ego) if ego.count else None
     along, across = own_acceleration(ego.states)
-    grip = np.full(ego.count, float(ego.trace.meta.get("friction", np.nan)) * GRAVITY)
+    grip = frictions_under(ego.trace, ego.actor, ego.first, ego.states) * GRAVITY
     throttle, brake = _pedals(ego)
     gap, gap_actor = _nearest(ego)
     none = np.full(ego.count, np.nan)

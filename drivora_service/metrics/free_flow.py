@@ -23,6 +23,7 @@ from drivora_service.agents.speed_profile import (
 )
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.projection import project_points
+from drivora_service.observations.conditions import road_frictions
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import EgoCol
 from drivora_service.oracles.blocked import STANDING_SPEED, waiting_at_signal
@@ -107,7 +108,8 @@ def _free_drive(
     limits = _limits(ego, line)
     if limits is None:
         return None
-    friction = float(ego.trace.meta.get("friction", _DRY))
+    # In weather that changes, the least.
+    friction = float(np.nan_to_num(road_frictions(ego.trace, ego.first, ego.count), nan=_DRY).min())
     speeds = free_speeds(line, places, limits, friction)
     speeds[0] = min(speeds[0], max(float(ego.forward_speed[0]), 0.0))
     last = start

@@ -70,6 +70,14 @@ def near_area(network: RoadNetwork, points: FloatArray, distance: float) -> Bool
     return near
 
 
+def meets_area(network: RoadNetwork, corners: FloatArray) -> BoolArray:
+    """Returns which of n polygons, (n, k, 2) corners in metres, cover a part of the area."""
+    tiles = _area(network)[1]
+    meets = np.zeros(len(corners), dtype=np.bool_)
+    meets[tiles.query(shapely.polygons(corners), predicate="intersects")[0]] = True
+    return meets
+
+
 @lru_cache(maxsize=128)
 def _area(network: RoadNetwork) -> tuple[BaseGeometry, Tree]:
     lanes = [lane for lane in network.lanes if lane.drivable]

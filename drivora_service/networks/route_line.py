@@ -36,6 +36,29 @@ SAME_PLACE = 1e-6
 """Metres; nearer points of a line are merged."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QuickChange:
+    """A lane change that a vehicle makes as fast as its lateral acceleration allows.
+
+    Attributes:
+        speed: m/s.
+        lateral_acceleration: m/s², reached at the beginning, in the middle and at the end.
+        least_radius: The least radius that the vehicle can turn, metres.
+    """
+
+    speed: float
+    lateral_acceleration: float
+    least_radius: float
+
+    def length(self, aside: float) -> float:
+        """Returns the length of a change by ``aside`` metres along half a cosine wave.
+
+        Its greatest curvature over a length l is pi² aside / (2 l²).
+        """
+        radius = max(self.speed**2 / self.lateral_acceleration, self.least_radius)
+        return math.pi * math.sqrt(0.5 * aside * radius)
+
+
 @dataclass(slots=True, kw_only=True)
 class _Draft:
     """A lane run under construction.
@@ -118,10 +141,12 @@ class _Line:
         return self.lanes[np.maximum(nth, 0)]
 
 
-def build_route(network: RoadNetwork, passes: Sequence[EdgePass]) -> LaneRoute:
+def build_route(
+    network: RoadNetwork, passes: Sequence[EdgePass], change: QuickChange | None = None
+) -> LaneRoute:
     """Draws the route through the edges that :func:`route_search.search` found.
 
-    The route must be longer than zero.
+    The route must be longer than zero. Without ``change``, lane changes take ``CHANGE_TIME``.
     """
     drafts = _drafts(network, passes)
     lines = [_exact_line(draft) for draft in drafts]
@@ -144,7 +169,7 @@ def build_route(network: RoadNetwork, passes: Sequence[EdgePass]) -> LaneRoute:
             at = _spaced(begin, draft.window[1])
             add(k, at, line.at(at))
             break
-        here, there = _blend_places(draft, drafts[k + 1], limits[draft.lanes[-1]])
+        here, there = _blend_places(draft, drafts[k + 1], limits[draft.lanes[-1]], change)
         at = _spaced(begin, here[0])
         add(k, at, line.at(at))
         weight, of_here, of_there = _blend(line, lines[k + 1], here, there)
@@ -239,11 +264,16 @@ def _spaced(begin: float, end: float) -> FloatArray:
 _Range = tuple[float, float]
 
 
-def _blend_places(draft: _Draft, following: _Draft, speed_limit: float) -> tuple[_Range, _Range]:
+def _blend_places(
+    draft: _Draft, following: _Draft, speed_limit: float, change: QuickChange | None
+) -> tuple[_Range, _Range]:
     """Returns the ranges of the reference line's lane change on both runs."""
     room = draft.window[1] - draft.window[0]
     shortest, longest = CHANGE_LENGTHS
     length = min(max(CHANGE_TIME * speed_limit, shortest), longest, room)
+    if change is not None:
+        lanes = draft.network.lanes[draft.lanes[-1]], draft.network.lanes[following.lanes[0]]
+        length = min(change.length(0.5 * (lanes[0].width + lanes[1].width)), room)
     lead = min(CHANGE_LEAD, 0.5 * (room - length))
     low, high = lead / room, (lead + length) / room
     joined = following.joined[1] - following.joined[0]

@@ -13,7 +13,7 @@ from drivora_service.networks.lane_graph import LaneGraph, lane_graph
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.projection import lane_positions_near
 from drivora_service.networks.road_network import LanePosition, RoadNetwork
-from drivora_service.networks.route_line import build_route
+from drivora_service.networks.route_line import QuickChange, build_route
 from drivora_service.networks.route_matching import MIN_TRACK, Place, RouteMatch, match_places
 from drivora_service.networks.route_search import Candidate, EdgePass, Way, search
 from drivora_service.networks.tight_turns import tight_turns
@@ -66,7 +66,9 @@ _SHORT = 20.0
 """Length below which a way may turn out to be too short in its geometry, metres."""
 
 
-def plan_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> LaneRoute:
+def plan_route(
+    network: RoadNetwork, points: Sequence[RoutePoint], change: QuickChange | None = None
+) -> LaneRoute:
     """Plans the shortest route along drivable lanes that passes points in order.
 
     A point is matched to the nearest lane position; if several lanes are near (in a junction, or
@@ -79,6 +81,7 @@ def plan_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> LaneRoute:
     Args:
         network: The network.
         points: Start, intermediate points, destination; at least two.
+        change: How lanes are changed; ``None``: in a fixed time.
 
     Raises:
         NoRoute: A point is too far from all lanes or cannot be reached from the preceding one.
@@ -86,7 +89,7 @@ def plan_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> LaneRoute:
     Returns:
         The route. It is read-only and shared by all callers with the same points.
     """
-    return _plan(network, tuple(points))
+    return _plan(network, tuple(points), change)
 
 
 def match_route(network: RoadNetwork, points: Sequence[RoutePoint]) -> RouteMatch:
@@ -106,13 +109,15 @@ def check_way(network: RoadNetwork, points: Sequence[RoutePoint]) -> None:
     """
     places = tuple(points)
     if _length(_find_way(network, places).passes) < _SHORT:
-        _plan(network, places)
+        _plan(network, places, None)
 
 
 @lru_cache(maxsize=512)
-def _plan(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> LaneRoute:
+def _plan(
+    network: RoadNetwork, points: tuple[RoutePoint, ...], change: QuickChange | None
+) -> LaneRoute:
     """Plans a route; cached, since batches and searches repeat the same places."""
-    route = build_route(network, _find_way(network, points).passes)
+    route = build_route(network, _find_way(network, points).passes, change)
     if len(route.line) < 2:
         raise NoRoute(
             f"the {len(points)} points of the route are the same place on network "

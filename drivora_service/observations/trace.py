@@ -70,6 +70,18 @@ class EgoCol(IntEnum):
     bumper has passed it and the tail has not."""
 
 
+class PoseCol(IntEnum):
+    """Columns of ``Trace.references``."""
+
+    TIME = 0
+    """Simulation time, seconds; ascending."""
+    X = 1
+    Y = 2
+    YAW = 3
+    SPEED = 4
+    Z = 5
+
+
 class Light(IntEnum):
     """State of a signal."""
 
@@ -188,6 +200,9 @@ class Trace:
         lane_ids: SUMO's ids of the lanes that occur in ``ego_lanes``, by index; may be empty; not
             part of the hash.
         plans: What agents told of their planned paths, in the order of steps; not part of the hash.
+        references: For each ego, the (p, 6) path with which its own is compared, columns
+            ``PoseCol``; with p = 0 if there is none. Empty if no ego has one. Part of the
+            scenario, and so of its hash.
     """
 
     network: str
@@ -217,6 +232,7 @@ class Trace:
     meta: dict[str, Any] = field(default_factory=dict)
     lane_ids: dict[int, str] = field(default_factory=dict)
     plans: tuple[PlannedPath, ...] = ()
+    references: tuple[FloatArray, ...] = ()
 
     @property
     def ego_count(self) -> int:

@@ -19,7 +19,8 @@ def trace_sha256(trace: Trace) -> str:
 
     Covered: times, actors, states, presence, ego values, lanes, lights, routes, ends, contacts,
     traffic lights, agent logs, the network's and the scenario's hash. Not covered: ``meta``,
-    ``lane_ids`` and ``plans``, none of which has an effect on the run.
+    ``lane_ids`` and ``plans``, none of which has an effect on the run, and ``references``, which
+    are the scenario's.
 
     Two traces with the same numbers have the same hash for any memory layout of their
     arrays, the bits of their NaNs, the sign of their zeros, or values in the rows of actors
@@ -39,6 +40,27 @@ def trace_sha256(trace: Trace) -> str:
     for route in trace.ego_routes:
         _feed(digest, _canonical_floats(route.line))
         _feed(digest, _canonical_floats(route.arc))
+    return digest.hexdigest()
+
+
+def egos_sha256(trace: Trace) -> str:
+    """Returns the SHA-256 of the motion of the egos and the ends of their parts, hexadecimal.
+
+    Two runs have the same if every ego did the same in every step of its part, whatever the other
+    actors did, and however the scenarios differ in them. What agents logged is not covered.
+    """
+    facts = [
+        float(trace.step_length),
+        [
+            [str(end), int(step), float(start), trace.actors[row].id, trace.actors[row].model]
+            for row, (end, step, start) in enumerate(
+                zip(trace.ego_ends, trace.ego_end_steps, trace.ego_start_times, strict=True)
+            )
+        ],
+    ]
+    digest = hashlib.sha256(json.dumps(facts, separators=(",", ":")).encode())
+    for row, end in enumerate(trace.ego_end_steps):
+        _feed(digest, _canonical_floats(trace.states[: end + 1, row]))
     return digest.hexdigest()
 
 

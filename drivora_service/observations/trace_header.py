@@ -14,6 +14,7 @@ from drivora_service.observations.trace import (
     EgoRoute,
     LogEvent,
     PlannedPath,
+    PoseCol,
     Role,
     TerminalEvent,
     Trace,
@@ -49,6 +50,7 @@ def header_of(trace: Trace) -> dict[str, Any]:
                 "end_step": int(trace.ego_end_steps[ego]),
                 "privileged": bool(trace.privileged[ego]),
                 "route": _route_data(trace.ego_routes[ego]),
+                **_reference_data(trace, ego),
             }
             for ego in range(trace.ego_count)
         ],
@@ -140,6 +142,7 @@ def trace_from_header(
         max_sim_time=float(header["max_sim_time"]),
         meta=header["meta"],
         plans=plans,
+        references=_references(egos),
         lane_ids={int(index): lane_id for index, lane_id in header["lane_ids"].items()},
     )
 
@@ -161,6 +164,26 @@ def _route(data: dict[str, Any]) -> EgoRoute:
         length=float(data["length"]),
         goal=(float(x), float(y)),
     )
+
+
+def _reference_data(trace: Trace, ego: int) -> dict[str, Any]:
+    """Returns the reference path of an ego; nothing if it has none."""
+    if not trace.references or not len(trace.references[ego]):
+        return {}
+    return {"reference_path_f8": _encode(trace.references[ego])}
+
+
+def _references(egos: list[dict[str, Any]]) -> tuple[NDArray[np.float64], ...]:
+    """Returns the reference paths of the egos; nothing if none has one."""
+    paths = tuple(
+        _decode(ego.get("reference_path_f8", "")).reshape(-1, len(PoseCol)) for ego in egos
+    )
+    for path in paths:
+        if not np.isfinite(path).all() or (np.diff(path[:, PoseCol.TIME]) <= 0.0).any():
+            raise ValueError("a reference path whose numbers are not finite, or not in order")
+        if len(path) == 1:
+            raise ValueError("a reference path of one pose")
+    return paths if any(len(path) for path in paths) else ()
 
 
 def _encode(values: NDArray[np.float64]) -> str:

@@ -16,13 +16,14 @@ from drivora_service.oracles.failure_to_yield import FailureToYield
 from drivora_service.oracles.lane_keeping import LaneKeeping
 from drivora_service.oracles.minimum_speed import MinimumSpeed
 from drivora_service.oracles.near_miss import NearMiss
+from drivora_service.oracles.non_optimal_decision import NonOptimalDecision
 from drivora_service.oracles.off_road import OffRoad
 from drivora_service.oracles.red_light import RedLight
 from drivora_service.oracles.route_deviation import RouteDeviation
 from drivora_service.oracles.speeding import Speeding
 from drivora_service.oracles.stop_sign import StopSign
 from drivora_service.oracles.tailgating import Tailgating
-from drivora_service.oracles.verdict import Oracle, Verdict
+from drivora_service.oracles.verdict import ConditionalOracle, Oracle, Verdict
 from drivora_service.oracles.wrong_way import WrongWay
 
 
@@ -45,6 +46,7 @@ def default_oracles() -> tuple[Oracle, ...]:
         Tailgating(),
         MinimumSpeed(),
         Discomfort(),
+        NonOptimalDecision(),
     )
 
 
@@ -55,7 +57,7 @@ def judge_all(
     *,
     view: RunView | None = None,
 ) -> tuple[Verdict, ...]:
-    """Judges a run by several oracles.
+    """Judges a run by several oracles, without those that do not apply to it.
 
     Args:
         trace: The run.
@@ -64,4 +66,9 @@ def judge_all(
         view: An existing view of that run, whose computed values are reused.
     """
     view = view or RunView(trace, network)
-    return tuple(verdict for oracle in oracles for verdict in oracle.judge(view))
+    return tuple(
+        verdict
+        for oracle in oracles
+        if not isinstance(oracle, ConditionalOracle) or oracle.applies(view)
+        for verdict in oracle.judge(view)
+    )

@@ -1,10 +1,13 @@
-"""The catalogue of oracles that judge every run: built-in ones and those of installed packages."""
+"""The catalogue of oracles that judge every run.
+
+These are the built-in ones, traffic laws, and those of installed packages.
+"""
 
 from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import partial
 from typing import Any
@@ -13,7 +16,12 @@ from pydantic_core import to_jsonable_python
 
 from drivora_service.errors import OracleError, UnknownName
 from drivora_service.oracles.built_in import default_oracles
+from drivora_service.oracles.descriptions import OracleDescription, described
 from drivora_service.oracles.installed import InstalledOracle, traceback_of
+from drivora_service.oracles.laws.description import law_description
+from drivora_service.oracles.laws.judging import LawOracle
+from drivora_service.oracles.laws.library import LawLibrary
+from drivora_service.oracles.laws.sources import LawSource
 from drivora_service.oracles.plugin import OraclePlugin
 from drivora_service.oracles.verdict import Oracle
 from drivora_service.plugin_table import PluginTable
@@ -30,7 +38,9 @@ class OracleEntry:
     Attributes:
         description: One sentence.
         thresholds: By name, as JSON has them; SI units.
-        package: Its package; "" for a built-in oracle.
+        package: Its package; "" for a built-in oracle and a law.
+        formula: Its formula in signal temporal logic; "" unless it is a traffic law.
+        file: The user's file that it is from; "" unless it is a law of the user.
         reason: Why it cannot be loaded, which prevents the judging of all runs; "" if it can.
     """
 
@@ -38,6 +48,8 @@ class OracleEntry:
     description: str
     thresholds: Mapping[str, Any] = field(default_factory=dict)
     package: str = ""
+    formula: str = ""
+    file: str = ""
     reason: str = ""
 
 
@@ -48,7 +60,12 @@ class OracleCatalogue:
     use. An oracle that cannot be loaded is not tried again.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, laws: Sequence[LawSource] = ()) -> None:
+        """Finds all oracles.
+
+        Args:
+            laws: The user's law files.
+        """
         self._built_in = {oracle.name: oracle for oracle in default_oracles()}
         self._table = PluginTable(
             kind="oracle",
@@ -58,18 +75,40 @@ class OracleCatalogue:
             error=partial(OracleError, cause="oracle_plugin"),
         )
         self._installed: dict[str, InstalledOracle | OracleError] = {}
+        self._library = LawLibrary(laws, taken=(*self._built_in, *self._table.names()))
+        self._laws = {
+            name: LawOracle(law=self._library.law(name)) for name in self._library.names()
+        }
+
+    @property
+    def library(self) -> LawLibrary:
+        """The traffic laws."""
+        return self._library
 
     def names(self) -> tuple[str, ...]:
-        """Returns all names in the order of judging: built-in ones, then the others, sorted."""
-        return (*self._built_in, *self._installed_names())
+        """Returns all names in the order of judging: built-in ones, laws, then packages' sorted.
+
+        A law file that cannot be used is listed by the name of the file.
+        """
+        return (*self._built_in, *self._laws, *self._library.broken, *self._installed_names())
 
     def oracles(self) -> tuple[Oracle, ...]:
         """Returns all oracles in the order of judging.
 
         Raises:
-            OracleError: As :meth:`installed`.
+            OracleError: As :meth:`laws` and :meth:`installed`.
         """
-        return (*self._built_in.values(), *self.installed())
+        return (*self._built_in.values(), *self.laws(), *self.installed())
+
+    def laws(self) -> tuple[LawOracle, ...]:
+        """Returns the traffic laws: shipped ones, then the user's.
+
+        Raises:
+            OracleError: A law file cannot be used.
+        """
+        for file in self._library.broken:
+            raise self._broken(file)
+        return tuple(self._laws.values())
 
     def installed(self) -> tuple[InstalledOracle, ...]:
         """Returns the oracles of installed packages, sorted by name.
@@ -80,7 +119,13 @@ class OracleCatalogue:
         return tuple(self._installed_oracle(name) for name in self._installed_names())
 
     def versions(self, name: str) -> Mapping[str, str]:
-        """Returns the package of an oracle with its version; empty if the oracle is built in."""
+        """Returns the package of an oracle with its version, or the hash of the user's law file.
+
+        Empty for an oracle that comes with Drivora.
+        """
+        if name in self._laws and not self._library.is_shipped(name):
+            law = self._library.law(name)
+            return {f"laws/{law.file}": law.sha256[:16]}
         return self._table.versions(name)
 
     def oracle(self, name: str) -> Oracle:
@@ -88,10 +133,15 @@ class OracleCatalogue:
 
         Raises:
             UnknownName: If there is none of that name.
-            OracleError: If an installed package's cannot be loaded or made.
+            OracleError: If an installed package's cannot be loaded or made, or it is the name of a
+                law file that cannot be used.
         """
         if name in self._built_in:
             return self._built_in[name]
+        if name in self._laws:
+            return self._laws[name]
+        if name in self._library.broken:
+            raise self._broken(name)
         if name not in self._table.names():
             raise UnknownName("oracle", name, self.names())
         return self._installed_oracle(name)
@@ -106,7 +156,19 @@ class OracleCatalogue:
         try:
             oracle = self.oracle(name)
         except OracleError as error:
-            return OracleEntry(name=name, description="", package=package, reason=str(error))
+            file = name if name in self._library.broken else ""
+            return OracleEntry(
+                name=name, description="", package=package, file=file, reason=str(error)
+            )
+        if isinstance(oracle, LawOracle):
+            law = oracle.law
+            return OracleEntry(
+                name=name,
+                description=law.description,
+                thresholds=law.thresholds,
+                formula=law.text,
+                file="" if self._library.is_shipped(name) else law.file,
+            )
         judge = oracle.oracle if isinstance(oracle, InstalledOracle) else oracle
         return OracleEntry(
             name=name,
@@ -114,6 +176,16 @@ class OracleCatalogue:
             thresholds=_thresholds(judge),
             package=package,
         )
+
+    def description(self, name: str) -> OracleDescription | None:
+        """Returns what an oracle says about itself; ``None`` for one of a package."""
+        if name in self._laws:
+            return law_description(self._library.law(name))
+        return described(name)
+
+    def _broken(self, file: str) -> OracleError:
+        reason = self._library.broken[file].reason
+        return OracleError(f"law file {file!r}: {reason}", cause="law_file")
 
     def _installed_names(self) -> tuple[str, ...]:
         return tuple(name for name in self._table.names() if name not in self._built_in)

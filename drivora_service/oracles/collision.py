@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import Actor, Contact
 from drivora_service.oracles.avoidability.assess import assess
 from drivora_service.oracles.responsibility import nuplan
-from drivora_service.oracles.responsibility.finding import Fault
-from drivora_service.oracles.responsibility.impact import find_impact
+from drivora_service.oracles.responsibility.finding import Fault, Finding
+from drivora_service.oracles.responsibility.impact import Impact, find_impact
 from drivora_service.oracles.responsibility.judging import find_responsible
 from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FoundCollision:
+    """A collision of an ego, and the responsible party.
+
+    Attributes:
+        k: The ego's row in which it begins.
+    """
+
+    k: int
+    other: Actor
+    impact: Impact
+    finding: Finding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,23 +56,32 @@ class Collision:
     def _judge(self, ego: EgoView) -> list[Verdict]:
         if not ego.count:
             return [not_started(self.name, ego)]
-        verdicts = []
-        met: set[int] = set()
-        for contact in ego.trace.contacts:
-            other = _other(contact, ego.row)
-            k = contact.step - ego.first
-            if other is None or other in met or not 0 <= k < ego.count:
-                continue
-            met.add(other)
-            verdicts.append(self._verdict(ego, k, ego.trace.actors[other]))
+        verdicts = [self._verdict(ego, found) for found in self.found(ego)]
         return verdicts or [passed(self.name, ego, "No collision.")]
 
-    def _verdict(self, ego: EgoView, k: int, other: Actor) -> Verdict:
-        step = ego.first + k
-        impact = find_impact(ego.trace, ego.actor, other, step)
-        found = find_responsible(
-            ego.trace, ego.network, ego.actor, other, step, impact, self.standing_speed
-        )
+    def found(self, ego: EgoView) -> Iterator[FoundCollision]:
+        """Yields the collisions of an ego that started, in the order of time, with their findings.
+
+        Without the avoidability, which takes far longer.
+        """
+        trace = ego.trace
+        met: set[int] = set()
+        for contact in trace.contacts:
+            row = _other(contact, ego.row)
+            k = contact.step - ego.first
+            if row is None or row in met or not 0 <= k < ego.count:
+                continue
+            met.add(row)
+            other = trace.actors[row]
+            impact = find_impact(trace, ego.actor, other, contact.step)
+            finding = find_responsible(
+                trace, ego.network, ego.actor, other, contact.step, impact, self.standing_speed
+            )
+            yield FoundCollision(k=k, other=other, impact=impact, finding=finding)
+
+    def _verdict(self, ego: EgoView, collision: FoundCollision) -> Verdict:
+        k, other = collision.k, collision.other
+        impact, found = collision.impact, collision.finding
         replayed = assess(ego, k, other.row)
         return violated(
             self.name,

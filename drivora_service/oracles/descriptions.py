@@ -17,6 +17,7 @@ SHARE = "1"
 _LEADERBOARD = "CARLA Leaderboard"
 _NUPLAN = "nuPlan"
 _OWN = "Drivora"
+_DECICTOR = "Decictor (Cheng et al. 2025)"
 
 
 class ViolatedBy(StrEnum):
@@ -393,6 +394,21 @@ ORACLES = (
             ),
         ),
         source="nuPlan's bounds of comfort, which Bench2Drive shares",
+    ),
+    OracleDescription(
+        name="non_optimal_decision",
+        definition="The ego arrives on another path than its reference path, which was free.",
+        unit=SHARE,
+        violated_by=ViolatedBy.BELOW,
+        thresholds=(
+            _threshold("overlap", SHARE, "Paths that share no more are different.", _DECICTOR),
+            _threshold("piece", "m", "Paths are compared in pieces of this length.", _DECICTOR),
+            _threshold("half_width", "m", "A piece this near to the other path is shared.", _OWN),
+            _threshold(
+                "ends", "m", "Paths that begin or end further apart are not compared.", _OWN
+            ),
+        ),
+        source=_DECICTOR,
     ),
 )
 """The built-in oracles in the order of judging."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from drivora_service.shapes import Shape
 
@@ -97,6 +97,15 @@ class Oracle(Protocol):
         An ego without violations has exactly one verdict. Only rows of the trace up to the end of
         the ego's part count.
         """
+        ...
+
+
+@runtime_checkable
+class ConditionalOracle(Protocol):
+    """An oracle that says nothing of most runs, for example of scenarios without what it needs."""
+
+    def applies(self, run: RunView) -> bool:
+        """Returns whether the oracle is to judge a run; without that, the run has no verdict."""
         ...
 
 

@@ -51,7 +51,9 @@ class Discoveries:
     methods: Mapping[str, Sequence[Repetition]]
 
 
-def draw_found(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple[Path, Path]:
+def draw_found(
+    shown: Sequence[Discoveries], baseline: str, stem: Path, *, of: str = "failures"
+) -> tuple[Path, Path]:
     """Draws different failures found against simulations: median and quartiles of repetitions.
 
     A method's curve ends where its shortest repetition does.
@@ -60,6 +62,7 @@ def draw_found(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple
         shown: Discoveries, a panel for each; at least one.
         baseline: Name of the method that is drawn in grey.
         stem: Path of the files without suffix.
+        of: What was found, in the plural.
 
     Returns:
         The files, SVG and PNG.
@@ -68,7 +71,7 @@ def draw_found(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple
     with chart_style():
         figure, axes = panels(len(shown))
         for one, panel in zip(shown, axes, strict=True):
-            _draw_groups(panel, one, looks, _draw_curve, "different failures found")
+            _draw_groups(panel, one, looks, _draw_curve, f"different {of} found")
             panel.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
         figure.suptitle(
             "Median of the repetitions; the band holds the middle half",
@@ -80,13 +83,16 @@ def draw_found(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple
         return write_chart(figure, stem)
 
 
-def draw_first(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple[Path, Path]:
+def draw_first(
+    shown: Sequence[Discoveries], baseline: str, stem: Path, *, of: str = "a failure"
+) -> tuple[Path, Path]:
     """Draws the share of repetitions that had found a failure against simulations.
 
     Args:
         shown: Discoveries, a panel for each; at least one.
         baseline: Name of the method that is drawn in grey.
         stem: Path of the files without suffix.
+        of: What was found, in the singular.
 
     Returns:
         The files, SVG and PNG.
@@ -95,7 +101,7 @@ def draw_first(shown: Sequence[Discoveries], baseline: str, stem: Path) -> tuple
     with chart_style():
         figure, axes = panels(len(shown))
         for one, panel in zip(shown, axes, strict=True):
-            _draw_groups(panel, one, looks, _draw_steps, "repetitions with a failure")
+            _draw_groups(panel, one, looks, _draw_steps, f"repetitions with {of}")
             panel.set_ylim(-0.02, 1.04)
             panel.yaxis.set_major_formatter(PercentFormatter(1.0))
         legend_below(figure, looks)

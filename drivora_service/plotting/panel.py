@@ -15,6 +15,7 @@ from drivora_service.observations.trace import Light, Role, Trace
 from drivora_service.oracles.accountability import IN_WORDS, accountability
 from drivora_service.oracles.violation_marks import Mark
 from drivora_service.plotting import colors
+from drivora_service.plotting.patches import patch_entry
 from drivora_service.plotting.view import View
 
 Handle = Line2D | Patch | tuple[Line2D, ...]
@@ -87,6 +88,8 @@ def _entries(trace: Trace, *, signals: bool) -> list[tuple[Handle, str]]:
         for role, name in _ROLE_NAMES.items()
         if role in present
     ]
+    if (slippery := patch_entry(trace)) is not None:
+        entries.append(slippery)
     if signals:
         lights = (Light.RED, Light.YELLOW, Light.GREEN)
         bars = tuple(Line2D([], [], color=colors.LIGHTS[light], lw=3.2) for light in lights)

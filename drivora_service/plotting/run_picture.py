@@ -11,6 +11,7 @@ from drivora_service.observations.trace import Trace
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.oracles.violation_marks import marks_of
 from drivora_service.plotting.panel import draw_panel, draw_scale_bar
+from drivora_service.plotting.patches import draw_patches
 from drivora_service.plotting.picture_file import add_map, picture_file
 from drivora_service.plotting.road import draw_road
 from drivora_service.plotting.signals import draw_signals
@@ -51,6 +52,7 @@ def draw_run(
     with picture_file(target, width_in=width, height_in=height) as figure:
         axes = add_map(figure, view, left_in=_EDGE_IN, bottom_in=_EDGE_IN)
         draw_road(axes, network, view)
+        draw_patches(axes, trace)
         signals = draw_signals(axes, trace, network, view)
         scale = draw_trails(axes, trace, view, by_time=color_by == "time")
         draw_marks(axes, marks, view)

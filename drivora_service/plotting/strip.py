@@ -17,6 +17,7 @@ from drivora_service.oracles.violation_marks import Mark, marks_of
 from drivora_service.plotting import colors
 from drivora_service.plotting.boxes import draw_box
 from drivora_service.plotting.panel import describe
+from drivora_service.plotting.patches import draw_patches
 from drivora_service.plotting.picture_file import add_map, picture_file
 from drivora_service.plotting.road import draw_road
 from drivora_service.plotting.signals import draw_signals
@@ -133,6 +134,7 @@ def draw_strip(
             view = _view_around(trace, moments.ego, step)
             axes = add_map(figure, view, left_in=left, bottom_in=_FOOT_IN + _GAP_IN)
             draw_road(axes, network, view)
+            draw_patches(axes, trace)
             draw_signals(axes, trace, network, view, step=step)
             _draw_actors(axes, trace, view, step)
             figure.text(left / width, _FOOT_IN / height, _caption(trace, moments.ego, step),

@@ -9,7 +9,7 @@ from typing import Any
 
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.runs.candidate import CandidateSource
+from drivora_service.runs.candidate import Candidate, CandidateSource
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.shapes import Shape
 
@@ -50,7 +50,10 @@ class RunSpec:
         agent: Agent name that overrides the document's, or "".
         seed: Seed that overrides the document's, or ``None``.
         feedback: Feedback that measures the run for a tester; ``None`` for none.
-        candidate: Genes from which the worker makes the document; ``None`` if there is one.
+        candidate: Genes from which the worker makes the document; ``None`` if there is one. Inside
+            the worker, with the document, the repaired genes that it is made of.
+        prepared: In a worker, what it has made of such a candidate, if an adversary acts during the
+            run.
     """
 
     run_id: str
@@ -60,6 +63,7 @@ class RunSpec:
     seed: int | None = None
     feedback: FeedbackChoice | None = None
     candidate: CandidateSource | None = None
+    prepared: Candidate | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,6 +94,11 @@ class RunReport(Shape):
         scores: Feedback objectives by name, to be minimised; ``None`` is "not measurable".
         measurement: Measurement by the spec's feedback; ``None`` unless finished.
         trace_sha256: Hash of the trace, hexadecimal; "" unless the run was simulated to its end.
+        egos_sha256: Hash of the motion of the egos and the ends of their parts, hexadecimal: equal
+            for two runs that differ in nothing that any ego did; "" as above, and if it was not
+            recorded.
+        without_effect: Indices of the candidate's genes whose change, to whatever values, could not
+            have changed the run of any ego; see ``worker.without_effect``.
         steps: Rows of the trace.
         sim_time_s: Simulated seconds.
         wall_time_s: Seconds from the start of the run to its report, in the worker.
@@ -110,6 +119,8 @@ class RunReport(Shape):
     scores: Mapping[str, float | None] = field(default_factory=dict)
     measurement: Measurement | None = None
     trace_sha256: str = ""
+    egos_sha256: str = ""
+    without_effect: tuple[int, ...] = ()
     steps: int = 0
     sim_time_s: float = 0.0
     wall_time_s: float = 0.0

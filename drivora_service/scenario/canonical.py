@@ -16,27 +16,38 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache, lru_cache
+from types import MappingProxyType
 from typing import Any
 
 from pydantic import TypeAdapter
 
 from drivora_service.scenario import model
 
-_LATER_FIELDS = ("stuck_after",)
+_LATER_FIELDS: Mapping[type, Mapping[str, object]] = MappingProxyType(
+    {
+        model.Scenario: {"stuck_after": None, "friction_patches": [], "weather_changes": []},
+        model.EgoVehicle: {"reference_path": []},
+        model.Waypoint: {"wait": None},
+        model.NpcVehicle: {
+            "at_end": model.RouteEnd.LEAVE,
+            "deceleration": None,
+            "lateral_acceleration": None,
+            "joins": False,
+        },
+        model.NpcWalker: {"joins": False},
+    }
+)
+"""Fields that were added later, by class, with the values that are omitted."""
 
 
 def canonical_json(scenario: model.Scenario) -> str:
     """Writes a scenario as canonical JSON, in the network's plane, metres and radians.
 
-    Values of ``_LATER_FIELDS`` are omitted if they are ``None``, so that scenarios keep the
-    identity that they had before these fields existed.
+    ``_LATER_FIELDS`` are omitted if they have their default, so that scenarios keep the identity
+    that they had before these fields existed.
     """
-    content = _plain(scenario)
-    for name in _LATER_FIELDS:
-        if content[name] is None:
-            del content[name]
     return json.dumps(
-        content,
+        _plain(scenario),
         sort_keys=True,
         separators=(",", ":"),
         ensure_ascii=False,
@@ -71,7 +82,11 @@ def _plain(value: Any) -> Any:
     if kind is float or value is None:
         return value
     if names := _field_names(kind):
-        return {name: _plain(getattr(value, name)) for name in names}
+        content = {name: _plain(getattr(value, name)) for name in names}
+        for name, default in _LATER_FIELDS.get(kind, {}).items():
+            if content[name] == default:
+                del content[name]
+        return content
     if isinstance(value, tuple | list):
         return [_plain(item) for item in value]
     if isinstance(value, Mapping):

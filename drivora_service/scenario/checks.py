@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,9 +15,11 @@ from drivora_service.scenario.agent_checks import check_agents
 from drivora_service.scenario.conversion import background_count, frame_of, region
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.drafts import Doubts
+from drivora_service.scenario.driving_checks import check_driving
 from drivora_service.scenario.entities import BackgroundTrafficDocument, EgoDocument
 from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import EgoVehicle, Region, Scenario
+from drivora_service.scenario.patch_checks import check_patches, place_patches
 from drivora_service.scenario.place_checks import OffLanePlace, check_places
 from drivora_service.scenario.placed_actors import PlacedActor, place_actors
 from drivora_service.scenario.plain_data import pointer
@@ -72,12 +75,15 @@ def check(
     actors, model_problems = place_actors(content, frame)
     problems += model_problems
     problems += _check_speeds(content, actors)
+    problems += check_driving(content)
+    problems += _check_weather_changes(content)
     snapped: list[OffLanePlace] = []
     if network is not None:
         if not doubts.cover("/frame"):
             segment = region(content.map_region.region_segment, frame)
             place_problems, snapped = _check_on_network(actors, network, segment, doubts, routes)
             problems += place_problems
+            problems += check_patches(place_patches(content, frame), network, segment)
         problems += _check_lights(content, network)
         problems += _check_background(content, network)
     return Checked(
@@ -135,6 +141,20 @@ def _check_speeds(
             place = f"{actor.pointer}/initial_speed"
             problems.append(Problem(pointer=place, code="too_fast", message=message))
     return problems
+
+
+def _check_weather_changes(content: ScenarioDocument | Scenario) -> list[Problem]:
+    times = [change.time for change in content.weather_changes]
+    return [
+        Problem(
+            pointer=pointer(("weather_changes", index, "time")),
+            code="wrong_order",
+            message=f"found {time} s after a change at {before} s; the changes must be in the "
+            "order of their times, each at another time",
+        )
+        for index, (before, time) in enumerate(itertools.pairwise(times), 1)
+        if time <= before
+    ]
 
 
 def _check_lights(content: ScenarioDocument | Scenario, network: RoadNetwork) -> list[Problem]:

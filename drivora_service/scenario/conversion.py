@@ -40,6 +40,18 @@ def waypoint(place: entities.PlaceDocument, frame: FrameTransform) -> model.Wayp
         z=place.z,
         yaw=None if place.yaw is None else frame.yaw_to_network(place.yaw),
         speed=getattr(place, "speed", None),
+        wait=getattr(place, "wait", None),
+    )
+
+
+def patch(one: entities.FrictionPatchDocument, frame: FrameTransform) -> model.FrictionPatch:
+    """Converts a slippery patch."""
+    return model.FrictionPatch(
+        id=one.id,
+        location=waypoint(one.location, frame),
+        length=one.length,
+        width=one.width,
+        friction=one.friction,
     )
 
 
@@ -67,6 +79,10 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
                 route=tuple(waypoint(place, frame) for place in npc.route),
                 start_time=npc.start_time,
                 behavior=npc.behavior,
+                at_end=npc.at_end,
+                deceleration=npc.deceleration,
+                lateral_acceleration=npc.lateral_acceleration,
+                joins=npc.joins,
             )
             for npc in document.npc_vehicles
         ),
@@ -76,6 +92,7 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
                 model=actor_model(ActorKind.WALKER, walker.model).name,
                 route=tuple(waypoint(place, frame) for place in walker.route),
                 start_time=walker.start_time,
+                joins=walker.joins,
             )
             for walker in document.npc_walkers
         ),
@@ -90,11 +107,18 @@ def to_scenario(document: ScenarioDocument, network: RoadNetwork) -> model.Scena
             )
             for obstacle in document.npc_obstacles
         ),
+        friction_patches=tuple(patch(one, frame) for one in document.friction_patches),
         map_region=model.MapRegion(
             town=document.map_region.town,
             region_segment=region(document.map_region.region_segment, frame),
         ),
         weather=model.Weather(**document.weather.model_dump()),
+        weather_changes=tuple(
+            model.WeatherChange(
+                time=change.time, weather=model.Weather(**change.weather.model_dump())
+            )
+            for change in document.weather_changes
+        ),
         traffic_lights=_traffic_lights(document.traffic_lights),
         background_traffic=None
         if background is None
@@ -132,6 +156,19 @@ def _ego(ego: entities.EgoDocument, frame: FrameTransform) -> model.EgoVehicle:
         start_time=ego.start_time,
         initial_speed=ego.initial_speed,
         dynamics=ego.dynamics,
+        reference_path=tuple(_pose(pose, frame) for pose in ego.reference_path),
+    )
+
+
+def _pose(pose: entities.ReferencePoseDocument, frame: FrameTransform) -> model.ReferencePose:
+    x, y = frame.to_network(pose.x, pose.y)
+    return model.ReferencePose(
+        time=pose.time,
+        x=x,
+        y=y,
+        yaw=frame.yaw_to_network(pose.yaw),
+        speed=pose.speed,
+        z=pose.z,
     )
 
 

@@ -22,11 +22,13 @@ from drivora_service.scenario.entities import (
     EgoDocument,
     EntityDocument,
     FreeData,
+    FrictionPatchDocument,
     MapRegionDocument,
     NpcObstacleDocument,
     NpcVehicleDocument,
     NpcWalkerDocument,
     TrafficLightsDocument,
+    WeatherChangeDocument,
     WeatherDocument,
     is_agent_name,
 )
@@ -64,10 +66,16 @@ class ScenarioDocument(EntityDocument):
     npc_obstacles: Annotated[
         tuple[NpcObstacleDocument, ...], Field(max_length=fields.MAX_NPC_OBSTACLES)
     ] = Field((), description="Static objects.")
+    friction_patches: Annotated[
+        tuple[FrictionPatchDocument, ...], Field(max_length=fields.MAX_FRICTION_PATCHES)
+    ] = Field((), description="Slippery places of the road.")
     map_region: MapRegionDocument = Field(description="Road network and region.")
     weather: WeatherDocument = Field(
         default_factory=WeatherDocument, description="Weather; clear by default."
     )
+    weather_changes: Annotated[
+        tuple[WeatherChangeDocument, ...], Field(max_length=fields.MAX_WEATHER_CHANGES)
+    ] = Field((), description="Changes of the weather during the run, in the order of their times.")
     traffic_lights: TrafficLightsDocument = Field(
         default_factory=TrafficLightsDocument,
         description="Light times; the network's own by default.",
@@ -107,7 +115,7 @@ class ReadDocument:
         content: The plain data.
         document: The document; ``None`` if the data is not a scenario.
         malformed: Structural mistakes, and unsupported values.
-        duplicates: Actors whose id is used before.
+        duplicates: Actors and patches whose id is used before.
     """
 
     content: Mapping[str, Any]

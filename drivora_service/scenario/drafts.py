@@ -17,7 +17,7 @@ from drivora_service.errors import Problem
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.plain_data import MAX_PROBLEMS, pointer
 from drivora_service.scenario.problems import (
-    ACTOR_LISTS,
+    NAMED_LISTS,
     close_keys,
     model_at,
     structural_problems,
@@ -35,6 +35,13 @@ _ACTORS: Mapping[str, Mapping[str, Any]] = {
     "npc_vehicles": _VEHICLE,
     "npc_walkers": _VEHICLE,
     "npc_obstacles": {"id": _NOBODY, "model": _NOBODY, "location": _ROUTE[0]},
+    "friction_patches": {
+        "id": _NOBODY,
+        "location": _ROUTE[0],
+        "length": 1.0,
+        "width": 1.0,
+        "friction": 1.0,
+    },
 }
 _STAND_INS: Mapping[str, Any] = {
     "ego_vehicles": [_VEHICLE],
@@ -144,12 +151,12 @@ def _repairs(problem: Problem, content: Mapping[str, Any]) -> list[Place]:
 
 def _widened(place: Place) -> Place:
     """Returns the smallest part around a place that can be removed from a document."""
-    if len(place) > 2 and place[0] in ACTOR_LISTS and place[2] in _WHOLES:
+    if len(place) > 2 and place[0] in NAMED_LISTS and place[2] in _WHOLES:
         return place[:3]
     for end in range(len(place), 0, -1):
         key = place[end - 1]
         if isinstance(key, int):
-            if end == 2 and place[0] in ACTOR_LISTS:
+            if end == 2 and place[0] in NAMED_LISTS:
                 return place[:end]
             continue
         field = model_at(ScenarioDocument, place[: end - 1]).model_fields.get(key)

@@ -8,16 +8,31 @@ from __future__ import annotations
 
 import json
 import re
+from itertools import pairwise
 from typing import Annotated, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    JsonValue,
+    StrictBool,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from drivora_service.scenario import fields
-from drivora_service.scenario.model import NpcBehavior, VehicleDynamics
+from drivora_service.scenario.model import NpcBehavior, RouteEnd, VehicleDynamics
 
 MAX_FREE_DATA_BYTES = 262_144
 """Maximum serialised size of ``extensions``, and of the parameters of one agent, bytes."""
+
+
+JOINS = (
+    "Whether it is added to the running episode at start_time, behind all other actors, instead of "
+    "being one of its actors from the beginning."
+)
 
 
 class EntityDocument(BaseModel):
@@ -68,6 +83,15 @@ class WaypointDocument(PlaceDocument):
     )
 
 
+class NpcWaypointDocument(WaypointDocument):
+    """A waypoint of an NPC vehicle."""
+
+    wait: fields.StandTime | None = Field(
+        None,
+        description="How long the vehicle stands at this place. Without it, it drives through.",
+    )
+
+
 class WalkerWaypointDocument(PlaceDocument):
     """A waypoint of a walker."""
 
@@ -93,6 +117,36 @@ class AgentDocument(EntityDocument):
 def is_agent_name(name: str) -> bool:
     """Returns whether a text can be the name of an agent."""
     return re.fullmatch(fields.NAME_PATTERN.strip("^$"), name) is not None
+
+
+class ReferencePoseDocument(EntityDocument):
+    """The pose of an ego at a time, in a run that later runs are compared with."""
+
+    time: fields.SimulationTime = Field(description="Simulation time.")
+    x: fields.Coordinate = Field(description="East, of the box centre.")
+    y: fields.Coordinate = Field(description="North (frame sumo) or south (frame carla).")
+    z: fields.Elevation | None = Field(None, description="Height. Without it 0.")
+    yaw: fields.Yaw = Field(
+        description="Heading: counter-clockwise from east (frame sumo), clockwise (frame carla)."
+    )
+    speed: fields.VehicleSpeed = Field(description="Speed over ground.")
+
+
+def _in_order_of_time(
+    poses: tuple[ReferencePoseDocument, ...],
+) -> tuple[ReferencePoseDocument, ...]:
+    if len(poses) == 1:
+        raise PydanticCustomError(
+            "one_pose", "found one pose; a path has at least two, and no path is an empty list"
+        )
+    for index, (before, pose) in enumerate(pairwise(poses), start=1):
+        if pose.time <= before.time:
+            raise PydanticCustomError(
+                "time_order",
+                "found pose {index} at {time} s, after one at {before} s; times must ascend",
+                {"index": index, "time": pose.time, "before": before.time},
+            )
+    return poses
 
 
 class EgoDocument(EntityDocument):
@@ -121,6 +175,16 @@ class EgoDocument(EntityDocument):
         "front and `.yaml`, `.yml` or `.json` behind. It is looked up in the catalogue and never "
         "opened.",
     )
+    reference_path: Annotated[
+        tuple[ReferencePoseDocument, ...],
+        Field(max_length=fields.MAX_REFERENCE_POSES),
+        AfterValidator(_in_order_of_time),
+    ] = Field(
+        (),
+        description="The path of an ego in another scenario, in ascending time, at least two "
+        "poses; between them it is interpolated. The run does not follow it; the oracle "
+        "`non_optimal_decision` compares the ego's path with it.",
+    )
 
     @model_validator(mode="after")
     def _one_agent(self) -> Self:
@@ -146,7 +210,7 @@ class NpcVehicleDocument(EntityDocument):
     id: fields.ActorId = Field(description="Unique among all actors.")
     model: fields.ModelName = Field(description="A vehicle model.")
     route: Annotated[
-        tuple[WaypointDocument, ...], Field(min_length=1, max_length=fields.MAX_WAYPOINTS)
+        tuple[NpcWaypointDocument, ...], Field(min_length=1, max_length=fields.MAX_WAYPOINTS)
     ] = Field(description="Waypoints in order; a single one is a parked vehicle.")
     start_time: fields.StartTime = Field(0.0, description="Absent before this time.")
     behavior: NpcBehavior = Field(
@@ -155,6 +219,22 @@ class NpcVehicleDocument(EntityDocument):
         "them and brakes for actors ahead; sumo: SUMO's car-following and lane-changing along "
         "the route.",
     )
+    at_end: RouteEnd = Field(
+        RouteEnd.LEAVE,
+        description="leave: it leaves the road at its last waypoint; stay: it brakes to a "
+        "standstill there, and stays.",
+    )
+    deceleration: fields.Acceleration | None = Field(
+        None,
+        description="Braking for its waypoints, bends and end, at most what its model and the "
+        "grip of the road allow. Without it 40 % of its model's.",
+    )
+    lateral_acceleration: fields.Acceleration | None = Field(
+        None,
+        description="Lateral acceleration in bends and lane changes, at most what the grip of the "
+        "road allows. Without it 60 % of the grip in bends, and lane changes of 4 s.",
+    )
+    joins: StrictBool = Field(False, description=JOINS)
 
 
 class NpcWalkerDocument(EntityDocument):
@@ -166,6 +246,7 @@ class NpcWalkerDocument(EntityDocument):
         tuple[WalkerWaypointDocument, ...], Field(min_length=1, max_length=fields.MAX_WAYPOINTS)
     ] = Field(description="Waypoints in order; with a single one, the walker stands still.")
     start_time: fields.StartTime = Field(0.0, description="Absent before this time.")
+    joins: StrictBool = Field(False, description=JOINS)
 
 
 class NpcObstacleDocument(EntityDocument):
@@ -183,6 +264,20 @@ class NpcObstacleDocument(EntityDocument):
         None, description="Across its heading. Without it the model's."
     )
     start_time: fields.StartTime = Field(0.0, description="Absent before this time.")
+
+
+class FrictionPatchDocument(EntityDocument):
+    """A slippery rectangle of the road."""
+
+    id: fields.ActorId = Field(description="Unique among all actors and patches.")
+    location: LocationDocument = Field(
+        description="Its centre; `yaw` is the direction of its length."
+    )
+    length: fields.PatchExtent = Field(description="Along its heading.")
+    width: fields.PatchExtent = Field(description="Across its heading.")
+    friction: fields.PatchFriction = Field(
+        description="Friction coefficient on it; where the road itself has less, that counts."
+    )
 
 
 class RegionDocument(EntityDocument):
@@ -236,6 +331,13 @@ class WeatherDocument(EntityDocument):
     fog_falloff: fields.FogFalloff = Field(
         0.0, description="Decrease of the fog with height; without effect in the plane."
     )
+
+
+class WeatherChangeDocument(EntityDocument):
+    """A change of the weather during the run."""
+
+    time: fields.StartTime = Field(description="From this time on the weather is this one.")
+    weather: WeatherDocument = Field(description="The whole weather from then on.")
 
 
 class LightTimesDocument(EntityDocument):

@@ -12,9 +12,11 @@ from drivora_service.scenario.model import (
     LightTimes,
     NpcObstacle,
     NpcVehicle,
+    ReferencePose,
     Region,
     Scenario,
     Waypoint,
+    Weather,
 )
 
 _NEIGHBOURS = 64
@@ -43,17 +45,30 @@ def document_content(scenario: Scenario) -> dict[str, Any]:
                 "model": walker.model,
                 "route": _route(walker.route),
                 "start_time": walker.start_time,
+                "joins": walker.joins,
             }
             for walker in scenario.npc_walkers
         ],
         "npc_obstacles": [_obstacle(obstacle) for obstacle in scenario.npc_obstacles],
+        "friction_patches": [
+            {
+                "id": patch.id,
+                "location": _place(patch.location),
+                "length": patch.length,
+                "width": patch.width,
+                "friction": patch.friction,
+            }
+            for patch in scenario.friction_patches
+        ],
         "map_region": {
             "town": scenario.map_region.town,
             "region_segment": _region(scenario.map_region.region_segment),
         },
-        "weather": {
-            name: getattr(scenario.weather, name) for name in scenario.weather.__dataclass_fields__
-        },
+        "weather": _weather(scenario.weather),
+        "weather_changes": [
+            {"time": change.time, "weather": _weather(change.weather)}
+            for change in scenario.weather_changes
+        ],
         "traffic_lights": {
             **_light_times(lights.times),
             "junctions": {light: _light_times(times) for light, times in lights.junctions.items()},
@@ -84,6 +99,10 @@ def _yaw(angle: float) -> float:
     return value
 
 
+def _weather(weather: Weather) -> dict[str, float]:
+    return {name: getattr(weather, name) for name in weather.__dataclass_fields__}
+
+
 def _route(route: tuple[Waypoint, ...]) -> list[dict[str, float]]:
     return [_place(waypoint) for waypoint in route]
 
@@ -96,6 +115,8 @@ def _place(waypoint: Waypoint) -> dict[str, float]:
         place["yaw"] = _yaw(waypoint.yaw)
     if waypoint.speed is not None:
         place["speed"] = waypoint.speed
+    if waypoint.wait is not None:
+        place["wait"] = waypoint.wait
     return place
 
 
@@ -108,7 +129,21 @@ def _ego(ego: EgoVehicle) -> dict[str, Any]:
         "initial_speed": ego.initial_speed,
         "dynamics": ego.dynamics,
         "agent": {"name": ego.agent.name, "parameters": dict(ego.agent.parameters)},
+        "reference_path": [_pose(pose) for pose in ego.reference_path],
     }
+
+
+def _pose(pose: ReferencePose) -> dict[str, float]:
+    content = {
+        "time": pose.time,
+        "x": pose.x,
+        "y": pose.y,
+        "yaw": _yaw(pose.yaw),
+        "speed": pose.speed,
+    }
+    if pose.z is not None:
+        content["z"] = pose.z
+    return content
 
 
 def _npc(npc: NpcVehicle) -> dict[str, Any]:
@@ -118,6 +153,10 @@ def _npc(npc: NpcVehicle) -> dict[str, Any]:
         "route": _route(npc.route),
         "start_time": npc.start_time,
         "behavior": npc.behavior.value,
+        "at_end": npc.at_end.value,
+        "deceleration": npc.deceleration,
+        "lateral_acceleration": npc.lateral_acceleration,
+        "joins": npc.joins,
     }
 
 

@@ -16,7 +16,10 @@ MAX_EGOS = 64
 MAX_NPC_VEHICLES = 500
 MAX_NPC_WALKERS = 500
 MAX_NPC_OBSTACLES = 1000
+MAX_FRICTION_PATCHES = 100
+MAX_WEATHER_CHANGES = 500
 MAX_WAYPOINTS = 2000
+MAX_REFERENCE_POSES = 4000
 MAX_BACKGROUND_VEHICLES = 2000
 MAX_JUNCTIONS = 2000
 MAX_EXTENSIONS = 64
@@ -25,6 +28,8 @@ MAX_VEHICLE_SPEED = 100.0
 MAX_WALKER_SPEED = 10.0
 MAX_START_TIME = 7200.0
 MAX_SIM_TIME = 7200.0
+ACCELERATIONS = (0.5, 12.0)
+"""m/s², of NPC vehicles: from gently rolling to more than a dry road allows."""
 MAX_SEED = 2**31 - 1
 """SUMO's seed is a signed 32-bit integer."""
 
@@ -45,9 +50,14 @@ Yaw = Annotated[float, _number("deg", -720.0, 720.0)]
 VehicleSpeed = Annotated[float, _number("m/s", 0.0, MAX_VEHICLE_SPEED)]
 WalkerSpeed = Annotated[float, _number("m/s", 0.0, MAX_WALKER_SPEED)]
 StartTime = Annotated[float, _number("s", 0.0, MAX_START_TIME)]
+StandTime = Annotated[float, _number("s", 0.0, MAX_SIM_TIME)]
+Acceleration = Annotated[float, _number("m/s²", *ACCELERATIONS)]
 SimTime = Annotated[float, _number("s", 1.0, MAX_SIM_TIME)]
+SimulationTime = Annotated[float, _number("s", 0.0, MAX_SIM_TIME)]
 StepLength = Annotated[float, _number("s", 0.01, 0.2)]
 Extent = Annotated[float, _number("m", 0.05, 50.0)]
+PatchExtent = Annotated[float, _number("m", 0.5, 200.0)]
+PatchFriction = Annotated[float, _number("1", 0.02, 1.0)]
 Percentage = Annotated[float, _number("%", 0.0, 100.0)]
 SunAzimuth = Annotated[float, _number("deg", -360.0, 360.0)]
 SunAltitude = Annotated[float, _number("deg", -90.0, 90.0)]

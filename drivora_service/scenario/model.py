@@ -26,6 +26,15 @@ class NpcBehavior(StrEnum):
     """SUMO's car-following and lane-changing along the route through its waypoints."""
 
 
+class RouteEnd(StrEnum):
+    """What an NPC vehicle does at the end of its route."""
+
+    LEAVE = "leave"
+    """Leaves the road at its last waypoint, at the speed that it has there."""
+    STAY = "stay"
+    """Brakes to a standstill at its last waypoint, and stays there."""
+
+
 class VehicleDynamics(StrEnum):
     """Vehicle model of an ego."""
 
@@ -46,6 +55,7 @@ class Waypoint:
             actors follow the heights of their lanes.
         yaw: Heading in radians; ``None``: derived from the path.
         speed: Desired speed in m/s at this place; ``None``: the default of the actor's kind.
+        wait: Seconds for which an NPC vehicle stands at this place; ``None``: it drives through.
     """
 
     x: float
@@ -53,6 +63,7 @@ class Waypoint:
     z: float | None = None
     yaw: float | None = None
     speed: float | None = None
+    wait: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,6 +75,27 @@ class AgentChoice(Shape):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ReferencePose:
+    """The pose of an ego at a time of the run that later runs are compared with.
+
+    Attributes:
+        time: Simulation time, seconds.
+        x: Metres east, of the box centre.
+        y: Metres north.
+        yaw: Heading, radians.
+        speed: m/s over ground.
+        z: Height, metres; ``None`` on flat networks.
+    """
+
+    time: float
+    x: float
+    y: float
+    yaw: float
+    speed: float
+    z: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EgoVehicle:
     """A vehicle under the control of an ADS.
 
@@ -71,6 +103,8 @@ class EgoVehicle:
         route: At least two waypoints: start and destination; those between are passed in order.
         start_time: Seconds; before it the ego stands still at its start.
         initial_speed: m/s at ``start_time``.
+        reference_path: What an ADS drove in another scenario, in ascending time; empty if its
+            path is not compared. The simulation does not read it.
     """
 
     id: str
@@ -80,27 +114,46 @@ class EgoVehicle:
     start_time: float = 0.0
     initial_speed: float = 0.0
     dynamics: VehicleDynamics = VehicleDynamics.KINEMATIC
+    reference_path: tuple[ReferencePose, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NpcVehicle:
-    """A vehicle that follows waypoints; absent before ``start_time`` and after its route."""
+    """A vehicle that follows waypoints; absent before ``start_time``.
+
+    Attributes:
+        deceleration: m/s² with which it plans to brake, at most those of its model and the grip of
+            the road; ``None``: a comfortable share of its model's.
+        lateral_acceleration: m/s² that it uses in bends and lane changes, at most the grip of the
+            road; ``None``: a share of the grip in bends, and lane changes of a fixed time.
+        joins: Whether it is added to the running episode at ``start_time``, behind all other
+            actors, instead of being one of its actors from the beginning.
+    """
 
     id: str
     model: str
     route: tuple[Waypoint, ...]
     start_time: float = 0.0
     behavior: NpcBehavior = NpcBehavior.REACTIVE
+    at_end: RouteEnd = RouteEnd.LEAVE
+    deceleration: float | None = None
+    lateral_acceleration: float | None = None
+    joins: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NpcWalker:
-    """A pedestrian; absent before ``start_time``, stays at the last waypoint."""
+    """A pedestrian; absent before ``start_time``, stays at the last waypoint.
+
+    Attributes:
+        joins: As for :class:`NpcVehicle`.
+    """
 
     id: str
     model: str
     route: tuple[Waypoint, ...]
     start_time: float = 0.0
+    joins: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,6 +166,25 @@ class NpcObstacle:
     length: float | None = None
     width: float | None = None
     start_time: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrictionPatch:
+    """A slippery rectangle of the road: ice, a puddle, oil.
+
+    Attributes:
+        location: Its centre; ``yaw`` is the direction of its length, ``z`` selects the level of a
+            bridge.
+        length: Metres.
+        width: Metres.
+        friction: Tyre-road friction coefficient on it; where the road itself has less, that counts.
+    """
+
+    id: str
+    location: Waypoint
+    length: float
+    width: float
+    friction: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,6 +219,19 @@ class Weather:
     fog_distance: float = 0.0
     wetness: float = 0.0
     fog_falloff: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WeatherChange:
+    """A change of the weather during the run.
+
+    Attributes:
+        time: Seconds from which on the weather is this one.
+        weather: The whole weather from then on.
+    """
+
+    time: float
+    weather: Weather
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -190,6 +275,7 @@ class Scenario:
     """A validated OpenScenario document.
 
     Attributes:
+        weather_changes: Changes of the weather during the run, in the order of their times.
         seed: Seeds every random draw of the run.
         step_length: Simulated seconds of one step.
         max_sim_time: Seconds after which the episode ends; ``None``: derived from the ego routes.
@@ -203,7 +289,9 @@ class Scenario:
     npc_vehicles: tuple[NpcVehicle, ...] = ()
     npc_walkers: tuple[NpcWalker, ...] = ()
     npc_obstacles: tuple[NpcObstacle, ...] = ()
+    friction_patches: tuple[FrictionPatch, ...] = ()
     weather: Weather = field(default_factory=Weather)
+    weather_changes: tuple[WeatherChange, ...] = ()
     traffic_lights: TrafficLights = field(default_factory=TrafficLights)
     background_traffic: BackgroundTraffic | None = None
     seed: int = 0

@@ -10,7 +10,7 @@ import numpy as np
 from drivora_service.errors import Problem
 from drivora_service.networks.projection import nearest_lane_position, project_points
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.scenario.model import NpcBehavior, Region
+from drivora_service.scenario.model import NpcBehavior, Region, Waypoint
 from drivora_service.scenario.placed_actors import PlacedActor
 
 MAX_OFF_LANE = 12.0
@@ -53,7 +53,8 @@ def check_places(
         else:
             _check_bounds(actor, network, problems)
         if region is not None:
-            _check_region(actor, region, problems)
+            for index, place in enumerate(actor.places):
+                problems += check_region(place, actor.place_pointer(index), region)
     return problems, snapped
 
 
@@ -81,7 +82,7 @@ def _check_lanes(
             message = (
                 f"found ({x:.2f}, {y:.2f}) in the network's plane, {found} from the nearest "
                 f"drivable lane of {network.name}; at most {limit:.0f} m are allowed"
-                f"{_bounds_hint(network, x, y)}"
+                f"{bounds_hint(network, x, y)}"
             )
             problems.append(
                 Problem(
@@ -99,7 +100,7 @@ def _check_bounds(actor: PlacedActor, network: RoadNetwork, problems: list[Probl
             message = (
                 f"found ({place.x:.2f}, {place.y:.2f}) in the network's plane, more than "
                 f"{BOUNDS_MARGIN:.0f} m outside {network.name}"
-                f"{_bounds_hint(network, place.x, place.y)}"
+                f"{bounds_hint(network, place.x, place.y)}"
             )
             problems.append(
                 Problem(pointer=actor.place_pointer(index), code="off_network", message=message)
@@ -114,7 +115,8 @@ def _is_outside(network: RoadNetwork, x: float, y: float) -> bool:
     )
 
 
-def _bounds_hint(network: RoadNetwork, x: float, y: float) -> str:
+def bounds_hint(network: RoadNetwork, x: float, y: float) -> str:
+    """Returns the bounds of a network, to be added to a message, if a place is outside of them."""
     if not _is_outside(network, x, y):
         return ""
     min_x, min_y, max_x, max_y = network.bounds
@@ -124,16 +126,13 @@ def _bounds_hint(network: RoadNetwork, x: float, y: float) -> str:
     )
 
 
-def _check_region(actor: PlacedActor, region: Region, problems: list[Problem]) -> None:
-    for index, place in enumerate(actor.places):
-        if not (
-            region.min_x <= place.x <= region.max_x and region.min_y <= place.y <= region.max_y
-        ):
-            message = (
-                f"found ({place.x:.2f}, {place.y:.2f}) in the network's plane, outside "
-                f"region_segment (x {region.min_x:.2f} to {region.max_x:.2f}, "
-                f"y {region.min_y:.2f} to {region.max_y:.2f})"
-            )
-            problems.append(
-                Problem(pointer=actor.place_pointer(index), code="outside_region", message=message)
-            )
+def check_region(place: Waypoint, place_pointer: str, region: Region) -> list[Problem]:
+    """Reports a place outside a region."""
+    if region.min_x <= place.x <= region.max_x and region.min_y <= place.y <= region.max_y:
+        return []
+    message = (
+        f"found ({place.x:.2f}, {place.y:.2f}) in the network's plane, outside "
+        f"region_segment (x {region.min_x:.2f} to {region.max_x:.2f}, "
+        f"y {region.min_y:.2f} to {region.max_y:.2f})"
+    )
+    return [Problem(pointer=place_pointer, code="outside_region", message=message)]

@@ -17,6 +17,8 @@ from drivora_service.scenario.plain_data import MAX_PROBLEMS, kind_of, pointer
 _LONGEST_GUESS = 80
 
 ACTOR_LISTS = ("ego_vehicles", "npc_vehicles", "npc_walkers", "npc_obstacles")
+NAMED_LISTS = (*ACTOR_LISTS, "friction_patches")
+"""Lists of what has an id."""
 
 _EXPECTED: Mapping[str, str] = {
     "float_type": "a number",
@@ -45,10 +47,10 @@ def structural_problems(error: ValidationError, model: type[BaseModel]) -> list[
 
 
 def duplicate_ids(content: Mapping[str, Any]) -> list[Problem]:
-    """Finds actors whose id a preceding actor has; skips items that are not actors."""
+    """Finds actors and patches whose id a preceding one has; skips items that are neither."""
     return repeated_ids(
         (pointer((name, index, "id")), actor["id"])
-        for name in ACTOR_LISTS
+        for name in NAMED_LISTS
         if isinstance(content.get(name), list | tuple)
         for index, actor in enumerate(content[name])
         if isinstance(actor, Mapping) and isinstance(actor.get("id"), str)

@@ -1,9 +1,9 @@
 """Checks for actors that overlap when they appear.
 
 An actor keeps its first pose from the moment at which it appears until it moves: an ego from 0 to
-its start time, an NPC at its start time only, and one that never moves (an obstacle, a parked
-vehicle, a standing walker) from its start time on. Two actors overlap at their start if these
-times and their boxes overlap.
+its start time, an NPC at its start time only, or while it waits at its first waypoint, and one that
+never moves (an obstacle, a parked vehicle, a standing walker) from its start time on. Two actors
+overlap at their start if these times and their boxes overlap.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def _still(actor: PlacedActor) -> tuple[float, float]:
         return 0.0, actor.start_time
     if len(actor.places) == 1:
         return actor.start_time, math.inf
-    return actor.start_time, actor.start_time
+    return actor.start_time, actor.start_time + (actor.places[0].wait or 0.0)
 
 
 def _meet(one: StartPose, other: StartPose) -> bool:

@@ -124,7 +124,9 @@ def scenario_problems(
             return error.problems
         return ()
     checked = check(scenario, networks, agents, "", Doubts(), routes)
-    duplicates = repeated_ids((f"{actor.pointer}/id", actor.id) for actor in checked.actors)
+    ids = [(f"{actor.pointer}/id", actor.id) for actor in checked.actors]
+    ids += [(f"/friction_patches/{n}/id", p.id) for n, p in enumerate(scenario.friction_patches)]
+    duplicates = repeated_ids(ids)
     problems = (*duplicates, *checked.problems)
     return in_document_order(problems, document_content(scenario)) if problems else ()
 

@@ -92,16 +92,24 @@ class _Bounds:
     """The bounds of all values of a scenario."""
 
     def __init__(self) -> None:
-        place = ("x", "y", "z", "yaw", "speed")
-        self._vehicle_places = _Columns(entities.WaypointDocument, *place)
+        place = ("x", "y", "z", "yaw", "speed", "wait")
+        self._ego_places = _Columns(entities.WaypointDocument, *place)
+        self._vehicle_places = _Columns(entities.NpcWaypointDocument, *place)
         self._walker_places = _Columns(entities.WalkerWaypointDocument, *place)
         self._locations = _Columns(entities.LocationDocument, *place)
         actor = ("id", "model", "start_time")
-        self._egos = _Columns(entities.EgoDocument, *actor, "route", "initial_speed", "dynamics")
+        ego = (*actor, "route", "initial_speed", "dynamics", "reference_path")
+        self._egos = _Columns(entities.EgoDocument, *ego)
+        pose = ("time", "x", "y", "z", "yaw", "speed")
+        self._reference_poses = _Columns(entities.ReferencePoseDocument, *pose)
         self._agents = _Columns(entities.AgentDocument, "name", "parameters")
-        self._vehicles = _Columns(entities.NpcVehicleDocument, *actor, "route", "behavior")
-        self._walkers = _Columns(entities.NpcWalkerDocument, *actor, "route")
+        driving = ("behavior", "at_end", "deceleration", "lateral_acceleration", "joins")
+        self._vehicles = _Columns(entities.NpcVehicleDocument, *actor, "route", *driving)
+        self._walkers = _Columns(entities.NpcWalkerDocument, *actor, "route", "joins")
         self._obstacles = _Columns(entities.NpcObstacleDocument, *actor, "length", "width")
+        self._patches = _Columns(
+            entities.FrictionPatchDocument, "id", "length", "width", "friction"
+        )
         times = {"green_time": "green", "red_time": "red", "yellow_time": "yellow"}
         times["offset"] = "offset"
         self._junctions = _Columns(entities.LightTimesDocument, **times)
@@ -110,6 +118,7 @@ class _Bounds:
         self._whole = _Columns(
             ScenarioDocument,
             *("ego_vehicles", "npc_vehicles", "npc_walkers", "npc_obstacles"),
+            *("friction_patches", "weather_changes"),
             *("seed", "step_length", "max_sim_time", "stuck_after", "extensions"),
         )
 
@@ -124,13 +133,16 @@ class _Bounds:
         self._whole.check((scenario,))
         self._egos.check(egos)
         self._agents.check(ego.agent for ego in egos)
+        self._reference_poses.check(pose for ego in egos for pose in ego.reference_path)
         self._vehicles.check(vehicles)
-        self._vehicle_places.check(place for ego in egos for place in ego.route)
+        self._ego_places.check(place for ego in egos for place in ego.route)
         self._vehicle_places.check(place for npc in vehicles for place in npc.route)
         self._walkers.check(walkers)
         self._walker_places.check(place for walker in walkers for place in walker.route)
         self._obstacles.check(obstacles)
         self._locations.check(obstacle.location for obstacle in obstacles)
+        self._patches.check(scenario.friction_patches)
+        self._locations.check(patch.location for patch in scenario.friction_patches)
         self._lights.check((scenario.traffic_lights,))
         self._junctions.check(scenario.traffic_lights.junctions.values())
         # Single parts have fields and attributes of the same names.
@@ -141,6 +153,8 @@ class _Bounds:
         ):
             if part is not None:
                 document.model_validate(part, from_attributes=True)
+        for change in scenario.weather_changes:
+            entities.WeatherChangeDocument.model_validate(change, from_attributes=True)
 
 
 @lru_cache(maxsize=1)

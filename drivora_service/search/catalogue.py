@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import contextlib
+from collections.abc import Iterable, Mapping
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from drivora_service.errors import SearchError
@@ -15,13 +17,36 @@ from drivora_service.search.selection import RANDOM_SELECTION, ROULETTE, TOURNAM
 from drivora_service.search.tester import Tester, TesterContext
 from drivora_service.search.testers.avfuzzer.search import AVFUZZER
 from drivora_service.search.testers.behavexplor.tester import BEHAVEXPLOR
+from drivora_service.search.testers.decictor.search import DECICTOR
+from drivora_service.search.testers.deepcollision.tester import DEEPCOLLISION
 from drivora_service.search.testers.doppeltest.tester import DOPPELTEST
+from drivora_service.search.testers.drivefuzz.tester import DRIVEFUZZ
+from drivora_service.search.testers.lawbreaker.search import LAWBREAKER
 from drivora_service.search.testers.random_search import RANDOM
 from drivora_service.search.testers.samota.tester import SAMOTA
 
-BUILT_IN: tuple[TesterPlugin[Any], ...] = (RANDOM, AVFUZZER, BEHAVEXPLOR, DOPPELTEST, SAMOTA)
+BUILT_IN: tuple[TesterPlugin[Any], ...] = (
+    RANDOM,
+    AVFUZZER,
+    BEHAVEXPLOR,
+    SAMOTA,
+    DOPPELTEST,
+    LAWBREAKER,
+    DRIVEFUZZ,
+    DEEPCOLLISION,
+    DECICTOR,
+)
 BUILT_IN_MUTATIONS = (GAUSSIAN, REDRAW_BLOCK, REDRAW_GENE, REDRAW_SLICE)
 BUILT_IN_SELECTIONS = (RANDOM_SELECTION, ROULETTE, TOURNAMENT, TRUNCATION)
+
+
+def installed_versions(packages: Iterable[str]) -> dict[str, str]:
+    """Returns the versions of those packages that are installed."""
+    found = {}
+    for package in packages:
+        with contextlib.suppress(PackageNotFoundError):
+            found[package] = version(package)
+    return found
 
 
 class TesterCatalogue:
@@ -50,8 +75,12 @@ class TesterCatalogue:
         return self._table.plugin(name)
 
     def versions(self, name: str) -> Mapping[str, str]:
-        """Returns the package of a tester with its version; nothing for a built-in tester."""
-        return self._table.versions(name)
+        """Returns the packages of a tester with their versions, as far as they are installed.
+
+        That of its plug-in is none for a built-in tester.
+        """
+        needed = self.plugin(name).packages
+        return {**self._table.versions(name), **installed_versions(needed)}
 
     def create(
         self,

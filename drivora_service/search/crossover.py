@@ -10,6 +10,21 @@ from drivora_service.search.genes import GeneSpace
 Children = tuple[FloatArray, FloatArray]
 
 
+def one_point(
+    first: FloatArray, second: FloatArray, space: GeneSpace, random: np.random.Generator
+) -> Children:
+    """Exchanges all genes after a point between two in which the parents differ.
+
+    Parents that differ in at most one gene that varies are returned as they are.
+    """
+    differing = np.flatnonzero((first != second) & space.varies)
+    one, other = first.copy(), second.copy()
+    if len(differing) > 1:
+        point = int(differing[random.integers(1, len(differing))])
+        one[point:], other[point:] = second[point:], first[point:]
+    return one, other
+
+
 def exchange_block(
     first: FloatArray, second: FloatArray, space: GeneSpace, random: np.random.Generator
 ) -> Children:

@@ -35,6 +35,7 @@ class Part(StrEnum):
     VEHICLE = "vehicle"
     WALKER = "walker"
     OBSTACLE = "obstacle"
+    PATCH = "patch"
     WEATHER = "weather"
     LIGHTS = "lights"
 
@@ -73,8 +74,9 @@ class Block:
         name: Name, such as ``vehicle_0``.
         start: Index of the first of its genes in the vector.
         genes: Its genes, in order. An actor that may be absent has ``present`` (0 or 1) first.
-        actor: Id of the actor in scenarios, which differs from the name if the seed scenario has an
-            ego of its own for it, or another actor of that name; "" for weather and lights.
+        actor: Id of the actor or patch in scenarios, which differs from the name if the seed
+            scenario has an ego of its own for it, or another actor of that name; "" for weather
+            and lights.
     """
 
     name: str

@@ -27,6 +27,10 @@ class TesterPlugin(Generic[P]):
         feedback: Feedback that measures its evaluations.
         create: Makes a tester. Raises ``SearchError`` if it cannot search the space.
         is_generational: Whether it waits for a whole generation before it proposes the next.
+        oracle: Oracle whose violations it searches; "": whatever oracles the campaign names.
+        compares_paths: Whether its candidates have reference paths; then the motion of all actors
+            must be planned, and is not left to SUMO.
+        packages: Packages of an extra that it needs; a campaign records their versions.
     """
 
     name: str
@@ -37,6 +41,9 @@ class TesterPlugin(Generic[P]):
     feedback: FeedbackChoice
     create: Callable[[TesterContext, P, Components], Tester]
     is_generational: bool
+    oracle: str = ""
+    compares_paths: bool = False
+    packages: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Protocol
@@ -12,7 +12,9 @@ import numpy as np
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.search.genes import GeneSpace
+from drivora_service.runs.adversary import AdversarySource
+from drivora_service.runs.candidate import Reference
+from drivora_service.search.genes import Block, GeneSpace
 
 
 class EvaluationStatus(StrEnum):
@@ -35,12 +37,20 @@ class Proposal:
         origin: How it was made, in a word or two: ``initial``, ``mutation``, ``crossover`` ...
         generation: Number of its generation, cycle or round, from 0.
         parents: Numbers of the evaluations from which it was made.
+        redrawn: Number of mutants that were drawn for it before, and drawn again since they could
+            not have changed the run of any ego.
+        reference: Paths with which those of its egos are compared; ``None`` for none. It is not
+            stored, as a tester proposes the same again.
+        adversary: Adversary that acts during its run; ``None`` for none.
     """
 
     values: FloatArray
     origin: str
     generation: int = 0
     parents: tuple[int, ...] = ()
+    redrawn: int = 0
+    reference: Reference | None = None
+    adversary: AdversarySource | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,16 +61,23 @@ class Evaluation:
         number: Number of the proposal in the order of asking, from 0.
         violations: Verdicts of the campaign's oracles that count as failures of the ego: violated,
             and not known to be another actor's fault. Empty unless judged.
+        verdicts: All verdicts of the run, those of oracles that the campaign does not count and
+            those at another actor's fault among them. Empty unless judged.
         scores: The general objectives by name, to be minimised; ``None`` is not measurable.
         measurement: Measurement by the tester's feedback; ``None`` unless judged.
+        without_effect: Indices of genes whose change, to whatever values, could not have changed
+            the run of any ego (``worker.without_effect``). Told truly also where the results are
+            shuffled.
     """
 
     number: int
     proposal: Proposal
     status: EvaluationStatus
     violations: tuple[Verdict, ...] = ()
+    verdicts: tuple[Verdict, ...] = ()
     scores: Mapping[str, float | None] = field(default_factory=dict)
     measurement: Measurement | None = None
+    without_effect: tuple[int, ...] = ()
 
 
 class Tester(Protocol):
@@ -91,6 +108,27 @@ class Tester(Protocol):
         ...
 
 
+class Checkpoints(Protocol):
+    """The checkpoints of a tester: its state after some evaluations.
+
+    They only save time: a tester without them comes to the same state by the evaluations that it is
+    told again.
+    """
+
+    def last(self) -> tuple[int, bytes] | None:
+        """Returns the latest checkpoint of which all evaluations will be told again.
+
+        Returns:
+            The number of evaluations that the tester had been told, and its state; ``None`` if
+            there is none.
+        """
+        ...
+
+    def save(self, told: int, state: bytes) -> None:
+        """Keeps the state after ``told`` evaluations."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TesterContext:
     """The context of a tester.
@@ -101,9 +139,18 @@ class TesterContext:
         budget: Number of simulations that the campaign may make.
         conflicts: (p, p) which two of the p routes that egos choose from (by their gene ``path``)
             conflict; symmetric, none with itself. ``None``: not known.
+        decode_alike: Returns whether two candidates (d,), the first of them repaired, decode to
+            scenarios that cannot be told apart by their runs. ``None``: not known.
+        ego_distance: Returns from a block of an actor or patch and (d,) genes how many metres from
+            an ego's start it appears; ``None`` for other blocks. ``None``: not known.
+        checkpoints: Place for checkpoints of testers that need long to rebuild their state;
+            ``None``: none are kept.
     """
 
     space: GeneSpace
     random: np.random.Generator
     budget: int
     conflicts: BoolArray | None = None
+    decode_alike: Callable[[FloatArray, FloatArray], bool] | None = None
+    ego_distance: Callable[[Block, FloatArray], float | None] | None = None
+    checkpoints: Checkpoints | None = None

@@ -10,17 +10,14 @@ import numpy as np
 
 from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.networks.lane_route import LaneRoute
+from drivora_service.observations.ground import PatchCol
 from drivora_service.observations.trace import Col
 from drivora_service.scenario.actor_models import ActorModel
 from drivora_service.scenario.weather import WeatherEffects
 from drivora_service.simulation.dynamics import Limit
 from drivora_service.simulation.follower_path import PathCol, write_directions
-from drivora_service.simulation.followers import (
-    FollowerCol,
-    FollowerPhase,
-    Followers,
-    Reaction,
-)
+from drivora_service.simulation.follower_state import FollowerCol, FollowerPhase, Reaction
+from drivora_service.simulation.followers import Followers
 from drivora_service.simulation.lights import RunningProgram, light_of
 from drivora_service.simulation.perception import Sense
 from drivora_service.simulation.plan import EgoPlan, FollowerPlan, ObstaclePlan
@@ -57,6 +54,7 @@ def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followe
         points[:, : PathCol.YAW] = line.line
         points[:, PathCol.YAW], points[:, PathCol.ARC] = line.yaw, line.arc
         points[:, PathCol.WANTED], points[:, PathCol.HEIGHT] = line.wanted, line.height
+        points[:, PathCol.WAIT] = line.wait
     write_directions(path)
     state = np.zeros((len(plans), len(FollowerCol)))
     for row, plan in zip(state, plans, strict=True):
@@ -69,7 +67,11 @@ def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followe
         row[FollowerCol.MAX_DECELERATION] = plan.model.max_deceleration
         row[FollowerCol.LENGTH] = plan.model.length
         row[FollowerCol.WIDTH] = plan.model.width
-        row[FollowerCol.WAITS_FOR] = -1.0
+        row[FollowerCol.WAITS_FOR] = row[FollowerCol.LAST_STOP] = -1.0
+        row[FollowerCol.STOOD] = -1.0
+        row[FollowerCol.DECELERATION] = plan.deceleration
+        stops = np.flatnonzero(plan.path.wait)
+        row[FollowerCol.NEXT_STOP] = stops[0] if len(stops) else len(plan.path.wait)
     return Followers(
         places=np.array((rows, begins[:-1], counts), dtype=np.int64).T.copy(),
         path=path,
@@ -118,6 +120,19 @@ def wind_of(weather: WeatherEffects) -> FloatArray:
     return weather.wind_acceleration * np.array(
         [math.cos(weather.wind_direction), math.sin(weather.wind_direction)]
     )
+
+
+def lay_ground(weather: WeatherEffects, patches: FloatArray) -> FloatArray:
+    """Returns the road as (1 + P, 8).
+
+    The first row is its friction coefficient and the (2,) acceleration by the wind, m/s²; the
+    others are the patches, columns ``ground.PatchCol``.
+    """
+    ground = np.zeros((1 + len(patches), len(PatchCol)))
+    ground[0, 0] = weather.friction
+    ground[0, 1:3] = wind_of(weather)
+    ground[1:] = patches
+    return ground
 
 
 def first_progress(egos: Sequence[EgoPlan], stuck_after: float) -> FloatArray:

@@ -90,7 +90,7 @@ def follower_actor(plan: FollowerPlan, row: int) -> Actor:
 
 def follower_body(plan: FollowerPlan, actor: Actor) -> Body:
     """Returns the body with which a follower enters SUMO; a vehicle that never drives is parked."""
-    return body_of(actor, plan.edges, on_lanes=plan.on_lanes, is_fixed=plan.stays)
+    return body_of(actor, plan.edges, on_lanes=plan.on_lanes, is_fixed=plan.is_fixed)
 
 
 def body_of(actor: Actor, edges: Sequence[str], *, on_lanes: bool, is_fixed: bool = False) -> Body:

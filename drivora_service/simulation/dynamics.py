@@ -13,6 +13,9 @@ The push of the wind is a force on the body. In the dynamic model the tyres take
 they can; in the kinematic one they do so at the slip angle that the same tyres would need, so that
 the vehicle drifts.
 
+Each axle has the friction of the place under it, which slippery patches lower. The kinematic model
+has the mean of both.
+
 A step is integrated in substeps of the same length for all step lengths, so that a manoeuvre does
 not depend on the agent's interval.
 
@@ -27,6 +30,7 @@ from enum import IntEnum
 from drivora_service.compilation import compiled
 from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.geometry.kernels import wrapped
+from drivora_service.observations.ground import axle_frictions
 
 GRAVITY = 9.81
 STEER_RATE = 0.7
@@ -140,25 +144,31 @@ def _drift(body: FloatArray, grip: float, wind: FloatArray) -> float:
 
 @compiled
 def _drive_dynamic(
-    body: FloatArray, limits: FloatArray, asked: float, mu: float, wind: FloatArray, dt: float
+    body: FloatArray,
+    limits: FloatArray,
+    asked: float,
+    front_mu: float,
+    rear_mu: float,
+    wind: FloatArray,
+    dt: float,
 ) -> None:
     half = 0.5 * limits[0]
     vx, vy, r, steer = body[3], body[4], body[5], body[6]
     ahead_cos, ahead_sin = math.cos(steer), math.sin(steer)
-    # Forces in units of the maximum force of one axle's tyres, half the weight times mu.
+    # Forces in units of the maximum force of the axle's tyres, half the weight times its mu.
     front = math.sin(_TYRE_C * math.atan(_TYRE_B * (steer - math.atan2(vy + half * r, vx))))
     rear = math.sin(_TYRE_C * math.atan(-_TYRE_B * math.atan2(vy - half * r, vx)))
-    push = asked / (mu * GRAVITY)
-    front_push, rear_push = _along_tyre(push, front), _along_tyre(push, rear)
+    front_push = _along_tyre(asked / (front_mu * GRAVITY), front)
+    rear_push = _along_tyre(asked / (rear_mu * GRAVITY), rear)
     front *= math.sqrt(1.0 - front_push * front_push)
     rear *= math.sqrt(1.0 - rear_push * rear_push)
-    scale = 0.5 * mu * GRAVITY
-    front_ahead = scale * (front_push * ahead_cos - front * ahead_sin)
-    front_side = scale * (front_push * ahead_sin + front * ahead_cos)
+    front_scale, rear_scale = 0.5 * front_mu * GRAVITY, 0.5 * rear_mu * GRAVITY
+    front_ahead = front_scale * (front_push * ahead_cos - front * ahead_sin)
+    front_side = front_scale * (front_push * ahead_sin + front * ahead_cos)
     across = wind[1] * math.cos(body[2]) - wind[0] * math.sin(body[2])
-    vx_rate = front_ahead + scale * rear_push + vy * r
-    vy_rate = front_side + scale * rear + across - vx * r
-    r_rate = half * limits[5] * (front_side - scale * rear) / limits[6]
+    vx_rate = front_ahead + rear_scale * rear_push + vy * r
+    vy_rate = front_side + rear_scale * rear + across - vx * r
+    r_rate = half * limits[5] * (front_side - rear_scale * rear) / limits[6]
     body[3] = min(vx + vx_rate * dt, limits[4])
     body[4] = vy + vy_rate * dt
     body[5] = r + r_rate * dt
@@ -166,7 +176,7 @@ def _drive_dynamic(
     cos, sin = math.cos(body[2]), math.sin(body[2])
     body[0] += (body[3] * cos - body[4] * sin) * dt
     body[1] += (body[3] * sin + body[4] * cos) * dt
-    body[9] = across / (_TYRE_B * _TYRE_C * mu * GRAVITY)
+    body[9] = across / (_TYRE_B * _TYRE_C * (0.5 * (front_mu + rear_mu)) * GRAVITY)
 
 
 @compiled
@@ -234,6 +244,7 @@ def drive_vehicles(
     modes: IntArray,
     commands: FloatArray,
     friction: float,
+    patches: FloatArray,
     wind: FloatArray,
     dt: float,
 ) -> None:
@@ -245,10 +256,10 @@ def drive_vehicles(
         modes: (M,) ``CommandMode``.
         commands: (M, 4), meaning by mode.
         friction: Tyre-road friction coefficient.
+        patches: (P, 8) places with less, columns ``ground.PatchCol``.
         wind: (2,) force of the wind by mass in m/s², x and y; its component across a vehicle acts.
         dt: Seconds.
     """
-    grip = friction * GRAVITY
     for m in range(bodies.shape[0]):
         body, limit = bodies[m], limits[m]
         before = body[3]
@@ -262,13 +273,27 @@ def drive_vehicles(
             body[9] = 0.0
             continue
         if modes[m] == 2:
+            front, rear = _under_axles(body, limit, friction, patches)
+            grip = 0.5 * (front + rear) * GRAVITY
             drift = body[3] * _drift(body, grip, wind) * dt
             body[0] -= drift * math.sin(body[2])
             body[1] += drift * math.cos(body[2])
             _drive_to_pose(body, limit, commands[m], grip, dt)
         else:
-            _drive(body, limit, commands[m], friction, wind, dt)
+            _drive(body, limit, commands[m], friction, patches, wind, dt)
         body[7] = (body[3] - before) / dt
+
+
+@compiled
+def _under_axles(
+    body: FloatArray, limit: FloatArray, friction: float, patches: FloatArray
+) -> tuple[float, float]:
+    """Returns the friction coefficients under a body's front and rear axle."""
+    if patches.shape[0] == 0:
+        return friction, friction
+    return axle_frictions(
+        body[0], body[1], body[8], math.cos(body[2]), math.sin(body[2]), limit[0], friction, patches
+    )
 
 
 @compiled
@@ -277,25 +302,30 @@ def _drive(
     limit: FloatArray,
     command: FloatArray,
     friction: float,
+    patches: FloatArray,
     wind: FloatArray,
     dt: float,
 ) -> None:
     """Moves an ego by acceleration and wheel angle."""
-    grip = friction * GRAVITY
-    braking, pull = min(limit[2], grip), min(limit[1], grip)
     steer = _clip(command[1], -limit[3], limit[3])
     count = max(math.ceil(dt / SUBSTEP - 1e-9), 1)
     step = dt / count
     turned = STEER_RATE * step
     for _ in range(count):
+        # Patches are met within a step.
+        front, rear = _under_axles(body, limit, friction, patches)
+        grip = 0.5 * (front + rear) * GRAVITY
+        is_dynamic = limit[7] > 0.5 and math.hypot(body[3], body[4]) > _DYNAMIC_FROM_SPEED
+        # In the dynamic model each axle transmits what it can of the brakes' and the motor's force.
+        reachable = max(front, rear) * GRAVITY if is_dynamic else grip
+        braking, pull = min(limit[2], reachable), min(limit[1], reachable)
         # The traction decreases with the speed and is 0 at the top speed.
         most = min(pull, limit[1] * max(0.0, 1.0 - body[3] / limit[4]))
         asked = _clip(command[0], -braking, most)
         body[6] += _clip(steer - body[6], -turned, turned)
-        v = math.hypot(body[3], body[4])
-        if limit[7] < 0.5 or v <= _DYNAMIC_FROM_SPEED:
+        if not is_dynamic:
             _drive_kinematic(body, limit, asked, grip, wind, step)
-        elif body[3] > _CROSSWISE * v:
-            _drive_dynamic(body, limit, asked, friction, wind, step)
+        elif body[3] > _CROSSWISE * math.hypot(body[3], body[4]):
+            _drive_dynamic(body, limit, asked, front, rear, wind, step)
         else:
             _slide(body, grip, step)

@@ -24,6 +24,7 @@ from drivora_service.errors import AgentError
 from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.observations.trace import Col, Light, TerminalEvent
 from drivora_service.scenario.model import VehicleDynamics
+from drivora_service.scenario.weather import WeatherEffects
 from drivora_service.simulation.arrays import (
     first_progress,
     lay_routes,
@@ -99,9 +100,8 @@ class EgoTeam:
         self.agent_ns = [0] * count
         self.routes = lay_routes(plan.egos, plan.programs)
         self.progress = first_progress(plan.egos, plan.stuck_after)
-        usual = senses_of(plan.weather, plan.scenario.step_length)
-        self._senses = [privileged_senses() if sees_all else usual for sees_all in privileged]
-        self._is_noisy = is_noisy(usual)
+        self._privileged = tuple(privileged)
+        self.set_weather(plan.weather)
         seeds = ego_seeds(plan.scenario.seed, count)
         self._noise = [SensorNoise(seed) for seed in seeds[:count]]
         self.logs = [AgentLog() for _ in range(count)]
@@ -129,6 +129,12 @@ class EgoTeam:
         self._draws = np.zeros((0, 5))
         self._sights: IntArray = np.zeros(0, dtype=np.int64)
         self._perceive = perceive
+
+    def set_weather(self, weather: WeatherEffects) -> None:
+        """Has the egos perceive in a weather from now on."""
+        usual = senses_of(weather, self._plan.scenario.step_length)
+        self._senses = [privileged_senses() if sees_all else usual for sees_all in self._privileged]
+        self._is_noisy = is_noisy(usual)
 
     def _set_up(self, m: int, agent: Agent, seed: int) -> None:
         plan = self._plan.egos[m]

@@ -8,6 +8,7 @@ own vehicles, and then detects contacts and ended parts.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -19,21 +20,30 @@ from drivora_service.agents.sumo_driver import SumoDriver, common_lane_change_mo
 from drivora_service.compilation import settled
 from drivora_service.errors import SimulatorError
 from drivora_service.observations.trace import Actor, Col, Contact, Role, TerminalEvent, Trace
-from drivora_service.scenario.model import NpcBehavior, NpcVehicle, NpcWalker
+from drivora_service.scenario.model import (
+    NpcBehavior,
+    NpcVehicle,
+    NpcWalker,
+    Scenario,
+    Weather,
+)
+from drivora_service.scenario.weather import WeatherEffects, weather_effects
 from drivora_service.simulation import background
 from drivora_service.simulation.arrays import (
     append_follower,
     lay_followers,
+    lay_ground,
     lay_obstacles,
-    wind_of,
 )
 from drivora_service.simulation.background_vehicles import BackgroundVehicles
 from drivora_service.simulation.casting import cast_actors, follower_actor, follower_body
+from drivora_service.simulation.changes import Changes, Joining, change_step, changes_anything
 from drivora_service.simulation.dynamics import CommandMode
 from drivora_service.simulation.ego_team import EgoTeam
 from drivora_service.simulation.holding import Holding, look_ahead_is_bounded
-from drivora_service.simulation.look import Look, look_at
+from drivora_service.simulation.look import Frames, Look, frames_of, look_at
 from drivora_service.simulation.plan import (
+    DrivenPlan,
     EpisodePlan,
     FollowerPlan,
     plan_driven,
@@ -49,6 +59,7 @@ from drivora_service.simulation.step_kernels import (
     write_velocity,
 )
 from drivora_service.simulation.sumo import SumoWorld
+from drivora_service.simulation.sumo_patches import SumoPatches
 from drivora_service.simulation.trace_assembly import Record, assemble_trace
 from drivora_service.simulation.traffic import Traffic
 from drivora_service.simulation.world import World
@@ -89,7 +100,8 @@ class Episode:
                 ``catch_up_sumo``. Traces do not depend on it.
             holding: Whether SUMO need not be told of actors far from what it drives
                 (``simulation.holding``), for runs that are only stepped: nothing reads SUMO, and no
-                actor is added. Traces do not depend on it.
+                actor is added. Traces do not depend on it. Without effect where the scenario has
+                changes during the run.
 
         Raises:
             AgentError: If an agent fails in ``setup_env``, or two of SUMO's drivers need different
@@ -106,7 +118,11 @@ class Episode:
         self._privileged = tuple(privileged) or (False,) * len(agents)
         self._cells = np.zeros(4, dtype=np.int64) if cells is None else cells
         self._team = EgoTeam(plan, agents, self._privileged, self._cells)
-        self._holding = holding
+        self._changes = Changes(plan.scenario)
+        self._weather = plan.weather
+        self._weather_changes: list[tuple[int, WeatherEffects]] = []
+        # Actors that join are told at once.
+        self._holding = holding = holding and not changes_anything(plan.scenario)
         self._contacts: list[Contact] = []
         self._found = np.zeros((_ROOM_FOR_CONTACTS, 2), dtype=np.int64)
         cast = cast_actors(plan)
@@ -120,7 +136,7 @@ class Episode:
         )
         self._followers = lay_followers(plan.followers, cast.follower_rows)
         self._static = lay_obstacles(plan.obstacles, cast.obstacle_rows, len(actors))
-        self._wind = wind_of(plan.weather)
+        self._ground = lay_ground(plan.weather, plan.patch_array)
         self._seen = np.zeros((len(plan.egos), len(actors)), dtype=np.bool_)
         sublanes = lane_change_model == "SL2015"
         self._sumo = SumoWorld(
@@ -140,7 +156,15 @@ class Episode:
             mirrored=mirrored,
             holding=(
                 partial(Holding, plan.network, plan.weather.friction)
-                if holding and not (mirrored or sublanes) and look_ahead_is_bounded(agents)
+                # On slippery places SUMO's vehicles need the room of farther actors than elsewhere.
+                if holding
+                and not (mirrored or sublanes or plan.patches)
+                and look_ahead_is_bounded(agents)
+                else None
+            ),
+            patches=(
+                SumoPatches(self._sumo, plan.weather.friction, plan.patch_array)
+                if plan.patches
                 else None
             ),
         )
@@ -149,6 +173,7 @@ class Episode:
                 self._traffic.reserve(m)
         self._announce(actors)
         self._bind()
+        self._settle()
         self._make_kernel, self._finish_kernel = make_frame, finish_frame
         self._make_first_frame()
         # Later frames have arguments of the same types.
@@ -209,16 +234,20 @@ class Episode:
         world, team, traffic = self._world, self._team, self._traffic
         routes, followers = team.routes, self._followers
         self._make_arguments: tuple[Any, ...] = (
-            self._dt, self.plan.weather.friction, self._wind, world.states, world.present,
-            world.sizes, self._static, team.bodies, team.limits, team.modes, team.commands,
-            team.in_world, followers.places, followers.path, followers.state, traffic.is_moved,
-            traffic.known, traffic.placements, world.ego_values,
+            self._dt, self._ground, world.states, world.present, world.sizes, self._static,
+            team.bodies, team.limits, team.modes, team.commands, team.in_world, followers.places,
+            followers.path, followers.state, traffic.is_moved, traffic.known, traffic.placements,
+            world.ego_values,
         )  # fmt: skip
         self._finish_arguments: tuple[Any, ...] = (
             self._dt, world.states, world.present, world.sizes, team.bodies, team.active,
             self._seen, self._found, routes.points, routes.signals, routes.parts, team.progress,
             world.ego_values, world.ego_lights, team.ends,
         )  # fmt: skip
+
+    def _settle(self) -> None:
+        """Notes the step before which something besides the step itself is to be done."""
+        self._pauses_at = min(self._world.capacity - 1, self._changes.next_step)
 
     def _make_first_frame(self) -> None:
         self._team.start_due(0.0)
@@ -259,9 +288,8 @@ class Episode:
         if controls:
             self._check_egos(controls)
         world, k = self._world, self._k
-        if k + 1 >= world.capacity:
-            world.grow()
-            self._bind()
+        if k >= self._pauses_at:
+            self._pause(k)
         time, next_time = k * self._dt, (k + 1) * self._dt
         self._cells[1] = k
         self._team.decide(k, time, world, controls)
@@ -280,6 +308,29 @@ class Episode:
             # appearance.
             world.states[k + 1, m, Col.AX : Col.YAW_RATE + 1] = 0.0
         return self.done
+
+    def _pause(self, k: int) -> None:
+        """Makes room for the next frame, and the changes that are due."""
+        if k + 1 >= self._world.capacity:
+            self._world.grow()
+        if k >= self._changes.next_step:
+            due = self._changes.take(k)
+            if due.weather is not None:
+                self._set_weather(due.weather, k)
+            for actor in due.joining:
+                self._let_join(actor)
+        self._bind()
+        self._settle()
+
+    def _set_weather(self, weather: Weather, k: int) -> None:
+        """Changes what the weather acts on: vehicles that the service moves, and perception.
+
+        SUMO's drivers keep to the friction of the beginning, for which they are set up.
+        """
+        self._weather = weather_effects(weather)
+        self._weather_changes.append((k, self._weather))
+        self._ground = lay_ground(self._weather, self.plan.patch_array)
+        self._team.set_weather(self._weather)
 
     def _check_egos(self, ids: Iterable[str]) -> None:
         egos = [ego.ego.id for ego in self.plan.egos]
@@ -321,6 +372,31 @@ class Episode:
         """Returns the episode in its present state."""
         return look_at(self._world, self._k, self.time, done=self.done)
 
+    @property
+    def actors(self) -> tuple[Actor, ...]:
+        """The actors so far, in the order of their rows."""
+        return tuple(self._world.actors)
+
+    def frames(self, first: int) -> Frames:
+        """Returns the frames from a row of the trace to the present one."""
+        return frames_of(self._world, first, self._k)
+
+    @property
+    def row(self) -> int:
+        """Row of the trace with the present frame."""
+        return self._k
+
+    def ending(self, ego: int) -> TerminalEvent | None:
+        """Returns the event that has ended the part of an ego, by its row; ``None``: none yet."""
+        return self._team.endings[ego].event
+
+    @property
+    def weather(self) -> Weather:
+        """The present weather; a change counts from the step that makes it."""
+        changes = self.scenario.weather_changes
+        due = [c for c in changes if change_step(c.time, self._dt) <= self._k]
+        return due[-1].weather if due else self.plan.scenario.weather
+
     def catch_up_sumo(self) -> None:
         """Has SUMO hold every actor at its present place, for callers that read it.
 
@@ -334,32 +410,62 @@ class Episode:
             )
         self._traffic.catch_up()
 
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario with all that was added during the run: an episode of it is this run."""
+        return self._changes.scenario
+
     def add_vehicle(self, npc: NpcVehicle) -> None:
-        """Adds an NPC vehicle during the run; it starts at its start time, at the earliest now."""
+        """Adds an NPC vehicle, which joins at its start time, at the earliest in the next step."""
         self._check_new(npc.id)
+        # Refuses now what could not join later.
         if npc.behavior is NpcBehavior.SUMO:
-            plan = plan_driven(npc, self.plan.network)
-            row = len(self._world.actors)
-            size = plan.model
-            self._join(
-                Actor(
-                    row=row,
-                    id=npc.id,
-                    role=Role.NPC_VEHICLE,
-                    model=size.name,
-                    length=size.length,
-                    width=size.width,
-                ),
-                size.height,
-            )
-            self._traffic.add_driven(row, plan)
-            return
-        self._add_follower(plan_npc(npc, self.plan.network, self.plan.weather.friction))
+            plan_driven(npc, self.plan.network)
+        else:
+            self._plan_npc(npc)
+        self._changes.add(npc, self._k)
+        self._settle()
 
     def add_walker(self, walker: NpcWalker) -> None:
-        """Adds a walker during the run; it starts at its start time, at the earliest now."""
+        """Adds a walker, which joins at its start time, at the earliest in the next step."""
         self._check_new(walker.id)
-        self._add_follower(plan_walker(walker, self.plan.network))
+        plan_walker(walker, self.plan.network)
+        self._changes.add(walker, self._k)
+        self._settle()
+
+    def change_weather(self, weather: Weather) -> None:
+        """Changes the weather from the next step on."""
+        self._check_open()
+        self._changes.set_weather(weather, self._k)
+        self._settle()
+
+    def _let_join(self, actor: Joining) -> None:
+        network = self.plan.network
+        if isinstance(actor, NpcWalker):
+            self._add_follower(plan_walker(actor, network))
+        elif actor.behavior is NpcBehavior.SUMO:
+            self._add_driven(plan_driven(actor, network))
+        else:
+            self._add_follower(self._plan_npc(actor))
+
+    def _plan_npc(self, npc: NpcVehicle) -> FollowerPlan:
+        plan = self.plan
+        return plan_npc(npc, plan.network, self._weather.friction, plan.patches)
+
+    def _add_driven(self, plan: DrivenPlan) -> None:
+        row, size = len(self._world.actors), plan.model
+        self._join(
+            Actor(
+                row=row,
+                id=plan.id,
+                role=Role.NPC_VEHICLE,
+                model=size.name,
+                length=size.length,
+                width=size.width,
+            ),
+            size.height,
+        )
+        self._traffic.add_driven(row, plan)
 
     def _add_follower(self, plan: FollowerPlan) -> None:
         actor = follower_actor(plan, len(self._world.actors))
@@ -368,14 +474,18 @@ class Episode:
         self._join(actor, plan.model.height)
 
     def _check_new(self, actor_id: str) -> None:
+        self._check_open()
+        known = (actor.id == actor_id for actor in self._world.actors)
+        if any(known) or actor_id in self._changes.ids:
+            raise SimulatorError(f"the actor id {actor_id!r} is taken: choose another id")
+
+    def _check_open(self) -> None:
         if self.done:
-            raise SimulatorError("the episode has ended: actors cannot be added")
+            raise SimulatorError("the episode has ended: nothing can be added or changed")
         if self._holding:
             raise SimulatorError(
-                "actors cannot be added with `holding`: create the episode without it"
+                "nothing can be added or changed with `holding`: create the episode without it"
             )
-        if any(actor.id == actor_id for actor in self._world.actors):
-            raise SimulatorError(f"the actor id {actor_id!r} is taken: choose another id")
 
     def _join(self, actor: Actor, height: float) -> None:
         self._world.add_actor(actor, height)
@@ -385,12 +495,11 @@ class Episode:
             (self._seen, np.zeros((len(self._seen), 1), dtype=np.bool_)), axis=1
         )
         self._traffic.make_room()
-        self._bind()
 
     def finish(self) -> Trace:
         """Returns the trace of all steps so far."""
         return assemble_trace(
-            self.plan,
+            replace(self.plan, scenario=self.scenario),
             self._world,
             Record(
                 last_step=self._k,
@@ -400,5 +509,6 @@ class Episode:
                 log_names=self._team.log_names,
                 logs=self._team.logs,
                 privileged=self._privileged,
+                weather_changes=self._weather_changes,
             ),
         )

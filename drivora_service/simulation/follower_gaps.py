@@ -71,7 +71,7 @@ def gap_ahead(
 
     Args:
         row: Row of the follower.
-        way: (n, 8) its path, columns ``PathCol``.
+        way: (n, 9) its path, columns ``PathCol``.
         cursor: Index of the path point at or before ``s``.
         s: Its arc length on the path, metres.
         reach: Metres to look ahead.

@@ -10,14 +10,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import IntEnum
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 from drivora_service.geometry.kernels import wrapped
+from drivora_service.observations.ground import friction_at
 from drivora_service.simulation.dynamics import GRAVITY
 from drivora_service.simulation.follower_gaps import gap_ahead, order_actors
 from drivora_service.simulation.follower_path import PathCol
+from drivora_service.simulation.follower_state import FollowerCol, FollowerPhase, Reaction
+from drivora_service.simulation.planned_driving import free_grip, planned_speed, stand_at_stop
 
 PATIENCE = 10.0
 """Seconds for which reactive vehicles wait for each other in a ring before one of them is removed:
@@ -28,45 +30,6 @@ STANDING_SPEED = 0.1
 """m/s below which a vehicle stands."""
 
 
-class FollowerPhase(IntEnum):
-    """The phase of a follower."""
-
-    WAITING = 0
-    MOVING = 1
-    DONE = 2
-
-
-class Reaction(IntEnum):
-    """A follower's reaction to other actors."""
-
-    NONE = 0
-    BRAKES = 1
-
-
-class FollowerCol(IntEnum):
-    """Columns of ``Followers.state``."""
-
-    S = 0
-    """Arc length, metres."""
-    SPEED = 1
-    """m/s; before the start, the initial speed."""
-    CURSOR = 2
-    """Index of the path point at or before ``S``, relative to the path's beginning."""
-    PHASE = 3
-    START_TIME = 4
-    REACTION = 5
-    STAYS = 6
-    """Whether it stays at its last point instead of being removed."""
-    MAX_ACCELERATION = 7
-    MAX_DECELERATION = 8
-    LENGTH = 9
-    WIDTH = 10
-    WAITED = 11
-    """Seconds for which it has stood, waiting for another."""
-    WAITS_FOR = 12
-    """Row of the actor that it waits for; -1 for none."""
-
-
 @dataclass(slots=True, kw_only=True, eq=False)
 class Followers:
     """All followers of an episode, in a few wide arrays: each array adds time to a compiled call.
@@ -74,8 +37,8 @@ class Followers:
     Attributes:
         places: (F, 3) row of each follower in the world's arrays, begin of its path in ``path``,
             and number of its points.
-        path: (n, 8) concatenated paths, columns ``follower_path.PathCol``.
-        state: (F, 13), columns ``FollowerCol``.
+        path: (n, 9) concatenated paths, columns ``follower_path.PathCol``.
+        state: (F, 17), columns ``FollowerCol``.
     """
 
     places: IntArray
@@ -85,10 +48,22 @@ class Followers:
 
 # The columns as plain integers, which compiled functions use as indices.
 _S, _SPEED, _CURSOR, _PHASE, _START, _REACTION, _STAYS = (int(c) for c in tuple(FollowerCol)[:7])
-_MOST, _LEAST, _LENGTH, _WIDTH, _WAITED, _WAITS_FOR = (int(c) for c in tuple(FollowerCol)[7:])
+_MOST, _LEAST, _LENGTH, _WIDTH, _WAITED, _WAITS_FOR = (int(c) for c in tuple(FollowerCol)[7:13])
+_PLANNED, _NEXT_STOP = int(FollowerCol.DECELERATION), int(FollowerCol.NEXT_STOP)
 _X, _Y, _YAW, _ARC, _WANTED, _HEIGHT = (int(c) for c in tuple(PathCol)[:6])
 _WAITING, _MOVING, _DONE = (float(phase) for phase in FollowerPhase)
 _BRAKES = float(Reaction.BRAKES)
+
+
+@compiled
+def look_ahead(speed: float, deceleration: float) -> float:
+    """Returns the metres from its front up to which a reactive vehicle brakes for others.
+
+    Args:
+        speed: m/s.
+        deceleration: Its hardest braking, m/s², positive.
+    """
+    return 8.0 + 1.5 * speed + speed * speed / (2.0 * 0.5 * deceleration)
 
 
 @compiled
@@ -96,6 +71,7 @@ def advance_followers(
     time: float,
     dt: float,
     friction: float,
+    patches: FloatArray,
     places: IntArray,
     path: FloatArray,
     followers: FloatArray,
@@ -110,6 +86,8 @@ def advance_followers(
     Reads the world at ``time`` from ``states`` (N, 9), ``sizes`` (N, 2) and ``present`` (N,);
     writes the poses and velocities at ``time + dt`` into ``next_states`` and ``next_present``.
     ``places``, ``path`` and ``followers``, which is changed in place, are those of ``Followers``.
+    A follower has the friction at its centre: ``friction``, or less on ``patches`` (P, 8), columns
+    ``ground.PatchCol``.
     """
     axis, radius, positions, rows = order_actors(states, sizes, present)
     for f in range(places.shape[0]):
@@ -122,8 +100,12 @@ def advance_followers(
             me[_SPEED] = min(me[_SPEED], way[0, _WANTED])
             next_present[row] = True
         elif me[_PHASE] == _MOVING:
+            mu = friction
+            if patches.shape[0] > 0:
+                at = states[row]
+                mu = friction_at(at[0], at[1], at[8], friction, patches)
             acceleration = _acceleration(
-                row, dt, friction, me, way, states, sizes, axis, radius, positions, rows
+                row, dt, mu, me, way, states, sizes, axis, radius, positions, rows
             )
             done = _advance(me, way, acceleration, dt)
             next_present[row] = not done or me[_STAYS] > 0.0
@@ -173,7 +155,10 @@ def _acceleration(
     v = me[_SPEED]
     cursor = int(me[_CURSOR])
     target = way[cursor, _WANTED]
-    if cursor + 1 < way.shape[0] and way[cursor + 1, _WANTED] < target:
+    if me[_PLANNED] > 0.0:
+        target = planned_speed(me, way, dt)
+        grip = free_grip(me, way, grip)
+    elif cursor + 1 < way.shape[0] and way[cursor + 1, _WANTED] < target:
         room = max(way[cursor + 1, _ARC] - me[_S], 0.0)
         target = min(
             target, math.sqrt(way[cursor + 1, _WANTED] ** 2 + 2.0 * 0.5 * me[_LEAST] * room)
@@ -181,7 +166,7 @@ def _acceleration(
     most, least = min(me[_MOST], grip), -min(me[_LEAST], grip)
     acceleration = (target - v) / dt
     if me[_REACTION] == _BRAKES:
-        reach = 8.0 + 1.5 * v + v * v / (2.0 * 0.5 * me[_LEAST])
+        reach = look_ahead(v, me[_LEAST])
         gap, other, ahead = gap_ahead(
             row, way, cursor, me[_S], reach, 0.5 * me[_LENGTH], 0.5 * me[_WIDTH],
             states, sizes, axis, radius, positions, rows,
@@ -214,6 +199,8 @@ def _advance(me: FloatArray, way: FloatArray, acceleration: float, dt: float) ->
         cursor += 1
     me[_CURSOR] = cursor
     done = count > 1 and (me[_S] >= end or (end - me[_S] < 0.5 and v_next < 0.2))
+    if me[_PLANNED] > 0.0:
+        done = stand_at_stop(me, way, dt)
     if done:
         me[_S] = min(me[_S], end)
         me[_SPEED] = 0.0

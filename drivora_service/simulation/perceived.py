@@ -7,6 +7,7 @@ are those of the episode.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,9 +17,11 @@ from drivora_service.geometry.arrays import ByteArray, FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Col, Trace
-from drivora_service.scenario.model import Scenario
+from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
+from drivora_service.scenario.model import NpcWalker, Scenario
 from drivora_service.simulation.actor_heights import actor_heights
 from drivora_service.simulation.arrays import privileged_senses, senses_of
+from drivora_service.simulation.changes import joining_actors, weather_by_step
 from drivora_service.simulation.perception import perceive
 from drivora_service.simulation.plan import EpisodePlan, plan_episode
 from drivora_service.simulation.sensor_noise import SensorNoise, ego_seeds, is_noisy
@@ -31,7 +34,7 @@ class Perceived:
 
     Attributes:
         first: Row of the trace with which it begins.
-        senses: (6,) columns ``perception.Sense``.
+        senses: (6,) columns ``perception.Sense``, in the weather of the first step.
         sights: (n, N) ``perception.Sight`` of every actor.
         states: (n, N, 9) perceived states, columns ``Col``; NaN for actors that are not perceived.
     """
@@ -50,15 +53,18 @@ def perceive_again(scenario: Scenario, ego: EgoView) -> Perceived:
         ego: The ego, which SUMO does not drive.
 
     Raises:
-        Conflict: The scenario is not that of the run, or actors were added while it ran.
+        Conflict: The scenario is not that of the run, or lacks actors that were added to it.
     """
     trace, network = ego.trace, ego.network
     plan = _plan_of(scenario, trace, network)
-    heights = np.array(actor_heights(plan))
+    known, joined = actor_heights(plan), _joined(plan.scenario, trace)
+    heights = np.array((*known, *(model.height for _, model in joined)))
+    join_steps = [step for step, _ in joined]
     count = len(trace.actors)
     sizes = np.array([(actor.length, actor.width) for actor in trace.actors])
     kinds = np.array([KIND_OF_ROLE[actor.role] for actor in trace.actors], dtype=np.int64)
-    usual = senses_of(plan.weather, trace.step_length)
+    weather_at = weather_by_step(plan.scenario)
+    usual = senses_of(weather_at(ego.first), trace.step_length)
     senses = privileged_senses() if trace.privileged[ego.row] else usual
     noise = SensorNoise(ego_seeds(plan.scenario.seed, trace.ego_count)[ego.row])
     draws = np.zeros((count, 5))
@@ -75,8 +81,11 @@ def perceive_again(scenario: Scenario, ego: EgoView) -> Perceived:
         states=np.full((steps, count, len(Col)), np.nan),
     )
     for k in range(steps):
+        usual = senses_of(weather_at(ego.first + k), trace.step_length)
         if is_noisy(usual):
-            noise.draw(draws)
+            # A draw has numbers for the actors that there are at the time.
+            noise.draw(draws[: len(known) + bisect_right(join_steps, ego.first + k)])
+        senses = privileged_senses() if trace.privileged[ego.row] else usual
         perceived = perceive(
             ego.row, ego.first + k, frames, presence, sizes, heights, kinds, senses, draws,
             seen, seen_sizes, numbers, sights,
@@ -90,11 +99,26 @@ def _plan_of(scenario: Scenario, trace: Trace, network: RoadNetwork) -> EpisodeP
     """Returns the plan of a recorded run, with the seed that the run had."""
     seed = int(trace.meta.get("seed", scenario.seed))
     plan = plan_episode(replace(scenario, seed=seed), network)
-    heights = actor_heights(plan)
+    count = len(actor_heights(plan)) + len(_joined(plan.scenario, trace))
     egos = [ego.ego.id for ego in plan.egos]
-    if len(heights) != len(trace.actors) or egos != [a.id for a in trace.actors[: len(egos)]]:
+    if count != len(trace.actors) or egos != [a.id for a in trace.actors[: len(egos)]]:
         raise Conflict(
-            f"the run has {len(trace.actors)} actors and its scenario {len(heights)}: what was "
+            f"the run has {len(trace.actors)} actors and its scenario {count}: what was "
             "perceived among actors that a program added cannot be computed again"
         )
     return plan
+
+
+def _joined(scenario: Scenario, trace: Trace) -> list[tuple[int, ActorModel]]:
+    """Returns the steps in which actors joined a run, with their models, in order of the rows."""
+    return [
+        (
+            step,
+            actor_model(
+                ActorKind.WALKER if isinstance(actor, NpcWalker) else ActorKind.VEHICLE,
+                actor.model,
+            ),
+        )
+        for step, actor in joining_actors(scenario)
+        if step < trace.step_count - 1
+    ]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -20,20 +20,32 @@ from drivora_service.networks.heights import is_flat, line_heights
 from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.projection import nearest_lane_position, project_points
 from drivora_service.networks.road_network import Lane, RoadNetwork, make_read_only
+from drivora_service.networks.route_line import QuickChange
 from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.observations.ground import frictions_along, patch_array
 from drivora_service.observations.trace import Role
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
 from drivora_service.scenario.model import (
     EgoVehicle,
+    FrictionPatch,
     NpcBehavior,
     NpcObstacle,
     NpcVehicle,
     NpcWalker,
+    RouteEnd,
     Scenario,
     Waypoint,
 )
+from drivora_service.scenario.patch_checks import patch_yaw
 from drivora_service.scenario.weather import WeatherEffects, weather_effects
-from drivora_service.simulation.follower_path import FollowerPath, build_path
+from drivora_service.simulation.follower_path import (
+    FollowerPath,
+    PathPlan,
+    build_path,
+    most_lateral,
+    planned_grip,
+    slower_on,
+)
 from drivora_service.simulation.lights import RunningProgram, longest_wait, run_programs
 from drivora_service.simulation.route_tracking import STUCK_AFTER
 
@@ -46,7 +58,8 @@ OFF_ROAD_SPEED = 8.0
 TIME_PER_METRE = 0.8
 """Time limit of an ego in seconds for each metre of route (CARLA Leaderboard)."""
 TIME_TO_START = 5.0
-_COMFORTABLE_BRAKING_SHARE = 0.4
+COMFORTABLE_BRAKING_SHARE = 0.4
+"""Share of its hardest braking with which an NPC vehicle brakes for a lower speed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,6 +89,11 @@ class FollowerPlan:
         edges: SUMO edges of its path, not empty; for a path off the road, the nearest edge.
         on_lanes: Whether its path keeps to those edges.
         first_speed: m/s at the start.
+        stays: Whether it stays at the end of its path.
+        is_fixed: Whether it has ended in SUMO's eyes from its start on, and needs to be checked in
+            each step: a parked vehicle, a walker.
+        deceleration: m/s² of its braking where its path plans it within the grip; 0: the path plans
+            comfortably.
     """
 
     id: str
@@ -88,6 +106,8 @@ class FollowerPlan:
     start_time: float
     reacts: bool
     stays: bool
+    is_fixed: bool
+    deceleration: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -122,11 +142,30 @@ class ObstaclePlan:
     edge: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PatchPlan:
+    """A slippery rectangle of the road: centre, height and size in metres, heading in radians."""
+
+    id: str
+    x: float
+    y: float
+    z: float
+    yaw: float
+    length: float
+    width: float
+    friction: float
+
+    def recorded(self) -> dict[str, str | float]:
+        """Returns it as traces record it."""
+        return asdict(self)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EpisodePlan:
     """The plan of an episode, without the agents.
 
     Attributes:
+        patches: Slippery places of the road.
         max_sim_time: Seconds after which it ends.
         stuck_after: Seconds that an ego may stand before its part ends.
     """
@@ -139,12 +178,18 @@ class EpisodePlan:
     followers: tuple[FollowerPlan, ...]
     driven: tuple[DrivenPlan, ...]
     obstacles: tuple[ObstaclePlan, ...]
+    patches: tuple[PatchPlan, ...]
     max_sim_time: float
     stuck_after: float
 
+    @property
+    def patch_array(self) -> FloatArray:
+        """(P, 8) ``patches``, columns ``ground.PatchCol``."""
+        return patch_array([patch.recorded() for patch in self.patches])
+
 
 def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
-    """Prepares an episode.
+    """Prepares an episode; actors that join it are prepared when they do.
 
     Raises:
         NoRoute: If there is no route for an actor; validation rules that out.
@@ -153,8 +198,13 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
     weather = weather_effects(scenario.weather)
     egos = tuple(_plan_ego(ego, network) for ego in scenario.ego_vehicles)
     vehicles = [npc for npc in scenario.npc_vehicles if npc.behavior is not NpcBehavior.SUMO]
-    followers = [plan_npc(npc, network, weather.friction) for npc in vehicles]
-    followers += [plan_walker(walker, network) for walker in scenario.npc_walkers]
+    patches = tuple(plan_patch(patch, network) for patch in scenario.friction_patches)
+    followers = [
+        plan_npc(npc, network, weather.friction, patches) for npc in vehicles if not npc.joins
+    ]
+    followers += [
+        plan_walker(walker, network) for walker in scenario.npc_walkers if not walker.joins
+    ]
     programs = run_programs(
         network.programs, scenario.traffic_lights, step_length=scenario.step_length
     )
@@ -169,9 +219,10 @@ def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
         driven=tuple(
             plan_driven(npc, network)
             for npc in scenario.npc_vehicles
-            if npc.behavior is NpcBehavior.SUMO
+            if npc.behavior is NpcBehavior.SUMO and not npc.joins
         ),
-        obstacles=tuple(_plan_obstacle(item, network) for item in scenario.npc_obstacles),
+        obstacles=tuple(plan_obstacle(item, network) for item in scenario.npc_obstacles),
+        patches=patches,
         max_sim_time=latest if scenario.max_sim_time is None else scenario.max_sim_time,
         stuck_after=STUCK_AFTER if scenario.stuck_after is None else scenario.stuck_after,
     )
@@ -261,21 +312,28 @@ def _straight(waypoints: Sequence[Waypoint]) -> tuple[FloatArray, FloatArray]:
 
 
 def _along_lanes(
-    waypoints: Sequence[Waypoint], network: RoadNetwork
+    waypoints: Sequence[Waypoint],
+    network: RoadNetwork,
+    changes: Sequence[QuickChange | None],
 ) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
     """Connects waypoints: near ones straight, distant ones along the lanes between them.
 
     A waypoint beside its lane's centre keeps its offset, which fades into that of the next.
+
+    Args:
+        waypoints: The waypoints.
+        network: The network.
+        changes: The lane changes on the way to each waypoint.
     """
     pieces: list[FloatArray] = [np.array([(waypoints[0].x, waypoints[0].y)])]
     marks = [0.0]
     edges: list[str] = []
     travelled = 0.0
-    for here, there in itertools.pairwise(waypoints):
+    for (here, there), change in zip(itertools.pairwise(waypoints), changes[1:], strict=True):
         ends = np.array([(here.x, here.y), (there.x, there.y)])
         piece = ends
         if float(np.hypot(*(ends[1] - ends[0]))) > JOIN_DISTANCE:
-            route = plan_route(network, _route_points((here, there)))
+            route = plan_route(network, _route_points((here, there)), change)
             share = (route.arc / route.length)[:, None]
             offsets = (1.0 - share) * (ends[0] - route.line[0]) + share * (ends[1] - route.line[-1])
             piece = route.line + offsets
@@ -291,42 +349,102 @@ def _along_lanes(
 
 
 @lru_cache(maxsize=1024)
-def plan_npc(npc: NpcVehicle, network: RoadNetwork, friction: float) -> FollowerPlan:
+def plan_npc(
+    npc: NpcVehicle, network: RoadNetwork, friction: float, patches: tuple[PatchPlan, ...] = ()
+) -> FollowerPlan:
     """Prepares a replayed or reactive NPC vehicle."""
     model = actor_model(ActorKind.VEHICLE, npc.model)
+    is_parked = len(npc.route) == 1
+    plan = None if is_parked else _path_plan(npc)
+    speeds = _waypoint_speeds(npc.route, network, None)
     edges: tuple[str, ...] = ()
-    if npc.behavior is NpcBehavior.REACTIVE and len(npc.route) > 1:
-        line, marks, edges = _along_lanes(npc.route, network)
+    if npc.behavior is NpcBehavior.REACTIVE and not is_parked:
+        changes = _lane_changes(npc, model, speeds, friction)
+        line, marks, edges = _along_lanes(npc.route, network, changes)
     else:
         line, marks = _straight(npc.route)
-    speeds = _waypoint_speeds(npc.route, network, None)
     start = npc.route[0]
     yaw = start.yaw
-    if yaw is None and len(npc.route) == 1:
+    if yaw is None and is_parked:
         place = nearest_lane_position(network, start.x, start.y)
         yaw = 0.0 if place is None else place.heading
+    deceleration = COMFORTABLE_BRAKING_SHARE * model.max_deceleration
+    if plan is not None:
+        wanted = deceleration if npc.deceleration is None else npc.deceleration
+        deceleration = min(wanted, model.max_deceleration, planned_grip(friction))
+    path = _with_heights(
+        build_path(line, speeds, marks, yaw, friction, deceleration, is_vehicle=True, plan=plan),
+        network,
+    )
+    if patches:
+        path = _on_patches(path, friction, patches, deceleration)
     return FollowerPlan(
         id=npc.id,
         role=Role.NPC_VEHICLE,
         model=model,
-        path=_with_heights(
-            build_path(
-                line,
-                speeds,
-                marks,
-                yaw,
-                friction,
-                _COMFORTABLE_BRAKING_SHARE * model.max_deceleration,
-                is_vehicle=True,
-            ),
-            network,
-        ),
+        path=path,
         edges=edges or (_nearest_edge(network, start.x, start.y),),
         on_lanes=bool(edges),
         first_speed=float(speeds[0]),
         start_time=npc.start_time,
         reacts=npc.behavior is NpcBehavior.REACTIVE,
-        stays=len(npc.route) == 1,
+        stays=is_parked or npc.at_end is RouteEnd.STAY,
+        is_fixed=is_parked,
+        deceleration=0.0 if plan is None else deceleration,
+    )
+
+
+def _path_plan(npc: NpcVehicle) -> PathPlan | None:
+    """Returns what a vehicle's path plans beside the speeds; ``None`` if it is told nothing else.
+
+    Vehicles that are told nothing else drive as they did before there was anything to tell.
+    """
+    waits = np.array([place.wait or 0.0 for place in npc.route])
+    stops = npc.at_end is RouteEnd.STAY
+    if not (waits.any() or stops or npc.deceleration or npc.lateral_acceleration):
+        return None
+    return PathPlan(waits=waits, stops_at_end=stops, lateral_acceleration=npc.lateral_acceleration)
+
+
+def _lane_changes(
+    npc: NpcVehicle, model: ActorModel, speeds: FloatArray, friction: float
+) -> tuple[QuickChange | None, ...]:
+    """Returns the lane changes on the way to each waypoint; ``None``: those of reference lines."""
+    if npc.lateral_acceleration is None:
+        return (None,) * len(npc.route)
+    side = most_lateral(npc.lateral_acceleration, friction)
+    turning_circle = model.wheelbase / math.tan(model.max_steer)
+    return tuple(
+        QuickChange(speed=speed, lateral_acceleration=side, least_radius=turning_circle)
+        for speed in speeds.tolist()
+    )
+
+
+def _on_patches(
+    path: FollowerPath, friction: float, patches: tuple[PatchPlan, ...], braking: float
+) -> FollowerPath:
+    """Lowers the speeds of a path to those for which patches leave enough grip."""
+    poses = np.column_stack((path.line, path.yaw))
+    laid = patch_array([patch.recorded() for patch in patches])
+    frictions = frictions_along(poses, path.height, 0.0, friction, laid)
+    if not (frictions < friction).any():
+        return path
+    return slower_on(path, frictions, friction, braking)
+
+
+def plan_patch(patch: FrictionPatch, network: RoadNetwork) -> PatchPlan:
+    """Prepares a slippery patch."""
+    yaw = patch_yaw(patch, network)
+    place = patch.location
+    return PatchPlan(
+        id=patch.id,
+        x=place.x,
+        y=place.y,
+        z=_height_at(network, place, yaw),
+        yaw=yaw,
+        length=patch.length,
+        width=patch.width,
+        friction=patch.friction,
     )
 
 
@@ -357,6 +475,7 @@ def plan_walker(walker: NpcWalker, network: RoadNetwork) -> FollowerPlan:
         start_time=walker.start_time,
         reacts=False,
         stays=True,
+        is_fixed=True,
     )
 
 
@@ -387,7 +506,8 @@ def _front_on(lane: Lane, point: FloatArray, length: float) -> float:
     return min(max(s + 0.5 * length, length), lane.length)
 
 
-def _plan_obstacle(obstacle: NpcObstacle, network: RoadNetwork) -> ObstaclePlan:
+def plan_obstacle(obstacle: NpcObstacle, network: RoadNetwork) -> ObstaclePlan:
+    """Prepares a static object."""
     model = actor_model(ActorKind.OBSTACLE, obstacle.model)
     place = obstacle.location
     yaw = place.yaw

@@ -29,8 +29,7 @@ def make_frame(
     time: float,
     told: bool,
     dt: float,
-    friction: float,
-    wind: FloatArray,
+    ground: FloatArray,
     states: FloatArray,
     present: BoolArray,
     sizes: FloatArray,
@@ -56,8 +55,7 @@ def make_frame(
         time: Seconds of the frame to write.
         told: Whether SUMO is told of the frame; else no placements are written.
         dt: Step length, seconds.
-        friction: Tyre-road friction coefficient.
-        wind: (2,) acceleration by the wind, m/s².
+        ground: (1 + P, 8) as of ``arrays.lay_ground``: one array, since each adds time to a call.
         states: (rows, N, 9) frames of the world.
         present: (rows, N).
         sizes: (N, 2) metres.
@@ -73,6 +71,7 @@ def make_frame(
     """
     frame, next_frame = states[before], states[after]
     next_present = present[after]
+    friction, wind, patches = ground[0, 0], ground[0, 1:3], ground[1:]
     for j in range(static.shape[0]):
         next_present[j] = static[j, 0] <= time + 1e-9
         if next_present[j]:
@@ -83,10 +82,10 @@ def make_frame(
             if modes[m] == 1:
                 ego_values[before, m, 0] = commands[m, 0]
                 ego_values[before, m, 1] = commands[m, 1]
-        drive_vehicles(bodies, limits, modes, commands, friction, wind, dt)
+        drive_vehicles(bodies, limits, modes, commands, friction, patches, wind, dt)
     _write_egos(bodies, in_world, next_frame, next_present)
     advance_followers(
-        time - dt, dt, friction, places, path, followers, frame, sizes, present[before],
+        time - dt, dt, friction, patches, places, path, followers, frame, sizes, present[before],
         next_frame, next_present,
     )  # fmt: skip
     if not told:

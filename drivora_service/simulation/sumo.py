@@ -157,6 +157,7 @@ class SumoWorld:
         self._types: set[str] = set()
         self._routes = 0
         self._grip = math.inf
+        self._own_limits: dict[str, tuple[float, float, float]] = {}
 
     def open(self) -> None:
         """Resets this process's SUMO to the empty network at time 0.
@@ -197,6 +198,25 @@ class SumoWorld:
         self._grip = friction * GRAVITY
         for edge in edges:
             libsumo.edge.setFriction(edge, friction)
+
+    def limit_grip(self, actor_id: str, grip: float) -> None:
+        """Limits acceleration and braking of a vehicle that SUMO drives to a grip, m/s².
+
+        A later limit replaces it; a grip of more than the vehicle uses gives it back its own.
+        """
+        own = self._own_limits.get(actor_id)
+        if own is None:
+            own = self._own_limits[actor_id] = (
+                libsumo.vehicle.getAccel(actor_id),
+                libsumo.vehicle.getDecel(actor_id),
+                libsumo.vehicle.getEmergencyDecel(actor_id),
+            )
+        acceleration, deceleration, emergency = (min(limit, grip) for limit in own)
+        libsumo.vehicle.setAccel(actor_id, acceleration)
+        # SUMO does not accept an emergency braking below the usual one, not even in between.
+        libsumo.vehicle.setEmergencyDecel(actor_id, max(own[2], deceleration))
+        libsumo.vehicle.setDecel(actor_id, deceleration)
+        libsumo.vehicle.setEmergencyDecel(actor_id, emergency)
 
     def add_moved(
         self,

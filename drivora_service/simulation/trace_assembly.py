@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,12 @@ from drivora_service.agents.log import AgentLog
 from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.conditions import (
+    CHANGES_KEY,
+    FRICTION,
+    PATCHES_KEY,
+    PERCEPTION_RANGE,
+)
 from drivora_service.observations.trace import (
     Col,
     Contact,
@@ -21,10 +27,13 @@ from drivora_service.observations.trace import (
     EgoRoute,
     LogEvent,
     PlannedPath,
+    PoseCol,
     TerminalEvent,
     Trace,
 )
 from drivora_service.scenario.canonical import scenario_sha256
+from drivora_service.scenario.model import EgoVehicle
+from drivora_service.scenario.weather import WeatherEffects
 from drivora_service.simulation.plan import EpisodePlan
 from drivora_service.simulation.world import World
 
@@ -45,6 +54,7 @@ class Record:
 
     Attributes:
         last_step: Row of the last frame.
+        weather_changes: Steps of the weather's changes so far, with the effects from then on.
         is_over: Whether no frame will be written any more; else the trace gets copies.
     """
 
@@ -55,6 +65,7 @@ class Record:
     log_names: tuple[str, ...]
     logs: Sequence[AgentLog]
     privileged: tuple[bool, ...]
+    weather_changes: Sequence[tuple[int, WeatherEffects]] = ()
     versions: dict[str, str] = field(default_factory=dict)
 
 
@@ -143,14 +154,44 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
                 key=lambda path: (path.step, path.ego),
             )
         ),
+        references=_references(plan.scenario.ego_vehicles),
         privileged=record.privileged,
         max_sim_time=plan.max_sim_time,
         meta={
             "seed": plan.scenario.seed,
-            "friction": plan.weather.friction,
-            "perception_range": plan.weather.perception_range,
+            FRICTION: plan.weather.friction,
+            PERCEPTION_RANGE: plan.weather.perception_range,
+            **({PATCHES_KEY: [p.recorded() for p in plan.patches]} if plan.patches else {}),
+            **changed_conditions(record.weather_changes),
         },
     )
+
+
+def _references(egos: Sequence[EgoVehicle]) -> tuple[FloatArray, ...]:
+    """Returns the reference paths of the egos; nothing if none has one."""
+    if not any(ego.reference_path for ego in egos):
+        return ()
+    return tuple(
+        np.array(
+            [
+                (pose.time, pose.x, pose.y, pose.yaw, pose.speed, pose.z or 0.0)
+                for pose in ego.reference_path
+            ],
+            dtype=np.float64,
+        ).reshape(-1, len(PoseCol))
+        for ego in egos
+    )
+
+
+def changed_conditions(changes: Sequence[tuple[int, WeatherEffects]]) -> dict[str, Any]:
+    """Returns what the trace tells of changes of the weather; nothing if there are none."""
+    if not changes:
+        return {}
+    told = [
+        {"step": step, FRICTION: now.friction, PERCEPTION_RANGE: now.perception_range}
+        for step, now in changes
+    ]
+    return {CHANGES_KEY: told}
 
 
 @lru_cache(maxsize=4)

@@ -23,6 +23,7 @@ from drivora_service.simulation.plan import DrivenPlan
 from drivora_service.simulation.stand_ins import StandIns
 from drivora_service.simulation.step_kernels import write_placements
 from drivora_service.simulation.sumo import DrivenActor, MovedActor, SumoWorld
+from drivora_service.simulation.sumo_patches import SumoPatches
 from drivora_service.simulation.world import World
 
 _CHECK_STEPS = 20
@@ -69,6 +70,7 @@ class Traffic:
         open_sumo: Callable[[], None],
         mirrored: bool,
         holding: Callable[[], Holding] | None = None,
+        patches: SumoPatches | None = None,
     ) -> None:
         """Takes the bodies of a world.
 
@@ -81,6 +83,7 @@ class Traffic:
             open_sumo: Opens ``sumo`` and sets it up.
             mirrored: Whether SUMO never lags.
             holding: Makes what holds rows far from what SUMO drives; ``None``: all are placed.
+            patches: Slippery places of the road, if there are any.
         """
         self._sumo = sumo
         self._stand_ins = stand_ins
@@ -88,6 +91,7 @@ class Traffic:
         self._open_sumo = open_sumo
         self._mirrored = mirrored
         self._make_holding = holding
+        self._patches = patches
         self._holding: Holding | None = None
         self.driver = f"{_DRIVER}-{lane_change_model}"
         self._bodies: dict[int, Body] = {}
@@ -219,6 +223,8 @@ class Traffic:
         self._reached = step
         if self.driven:
             self._sumo.read_driven(self.driven, frame, present)
+            if self._patches is not None:
+                self._patches.tend(self.driven, frame, present)
             if step % _CHECK_STEPS == 0:
                 self._forget_gone(present)
         while self._entering:

@@ -239,6 +239,8 @@ class SeedFindings(Shape):
         avoidable: Candidates with a failure that a careful and competent driver avoids.
         kinds: Kinds of failures.
         first_failure: Number of the first evaluation with a failure; null without one.
+        first_avoidable: Number of the first one with a failure that a careful and competent driver
+            avoids; null without one.
     """
 
     name: str
@@ -250,6 +252,7 @@ class SeedFindings(Shape):
     avoidable: int
     kinds: int
     first_failure: int | None
+    first_avoidable: int | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

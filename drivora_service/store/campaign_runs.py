@@ -13,7 +13,11 @@ from drivora_service.runs.encoding import choice_to_json, report_from_json
 from drivora_service.runs.report import UNFINISHED, RunReport, RunStatus
 from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaigns import campaign_row
-from drivora_service.store.candidates import candidate_from_json, source_to_json
+from drivora_service.store.candidates import (
+    candidate_from_json,
+    source_to_json,
+    without_policy,
+)
 from drivora_service.store.chunks import batched
 from drivora_service.store.documents import store_documents
 from drivora_service.store.endings import reset_run
@@ -75,7 +79,9 @@ class CampaignRunRepository:
     def _put_again(self, row: RunRow, run: NewRun) -> None:
         feedback = None if run.feedback is None else choice_to_json(run.feedback)
         candidate = None if run.candidate is None else source_to_json(run.candidate)
-        same = (row.candidate, row.feedback) == (candidate, feedback) and (
+        # The policy of an adversary is not kept after the end of a run.
+        known, wanted = (text and without_policy(text) for text in (row.candidate, candidate))
+        same = (known, row.feedback) == (wanted, feedback) and (
             candidate is not None or row.document_sha256 == run.scenario_sha256
         )
         if not same:
@@ -92,7 +98,7 @@ class CampaignRunRepository:
         elif row.status in _WITHOUT_RESULT:
             # A candidate may have been decoded already.
             store_documents(self._session, {run.scenario_sha256: run.document})
-            row.document_sha256 = run.scenario_sha256
+            row.document_sha256, row.candidate = run.scenario_sha256, candidate
             self._queue_again(row)
 
     def ended(self, run_ids: Sequence[str]) -> tuple[tuple[RunReport, Candidate | None], ...]:
@@ -109,6 +115,15 @@ class CampaignRunRepository:
                 decoded = candidate and candidate_from_json(candidate, document)
                 found.append((report_from_json(report), decoded or None))
         return tuple(found)
+
+    def forget_policies(self, run_ids: Sequence[str]) -> None:
+        """Replaces the policies of adversaries of runs that have ended by their hashes."""
+        for chunk in batched(run_ids):
+            rows = self._session.scalars(
+                select(RunRow).where(RunRow.id.in_(chunk), RunRow.status.not_in(UNFINISHED))
+            )
+            for row in rows:
+                row.candidate = row.candidate and without_policy(row.candidate)
 
     def _queue_again(self, row: RunRow) -> None:
         reset_run(self._session, row)

@@ -118,6 +118,7 @@ class EvaluationRow(Base):
     prepare_s: Mapped[float]
     asked_sha256: Mapped[str | None] = mapped_column(String(64))
     seed_number: Mapped[int] = mapped_column(default=0, server_default=text("0"))
+    redrawn: Mapped[int] = mapped_column(default=0, server_default=text("0"))
     told_at: Mapped[datetime]
     report: Mapped[str] = mapped_column(Text)
     violating: Mapped[bool] = mapped_column(default=False, server_default=false())

@@ -176,10 +176,10 @@ class CampaignViewRepository:
             return ()
         counts = self._counts_by_seed(campaign.seq)
         kinds = self._kinds_by_seed(campaign.seq)
-        nothing = (0, 0, 0, 0, 0, None)
+        nothing = (0, 0, 0, 0, 0, None, None)
         findings = []
         for number, seed in enumerate(seeds):
-            evaluations, simulations, violating, at_fault, avoidable, first = counts.get(
+            evaluations, simulations, violating, at_fault, avoidable, first, target = counts.get(
                 number, nothing
             )
             findings.append(
@@ -193,16 +193,18 @@ class CampaignViewRepository:
                     avoidable=avoidable,
                     kinds=kinds.get(number, 0),
                     first_failure=first,
+                    first_avoidable=target,
                 )
             )
         return tuple(findings)
 
     def _counts_by_seed(
         self, campaign_seq: int
-    ) -> dict[int, tuple[int, int, int, int, int, int | None]]:
+    ) -> dict[int, tuple[int, int, int, int, int, int | None, int | None]]:
         def number(condition: ColumnElement[bool]) -> ColumnElement[int]:
             return func.sum(case((condition, 1), else_=0))
 
+        is_target = EvaluationRow.accountability == Accountability.AVOIDABLE
         query = (
             select(
                 EvaluationRow.seed_number,
@@ -210,13 +212,14 @@ class CampaignViewRepository:
                 number(EvaluationRow.status != EvaluationStatus.INVALID),
                 number(EvaluationRow.violations > 0),
                 number(EvaluationRow.at_fault_violations > 0),
-                number(EvaluationRow.accountability == Accountability.AVOIDABLE),
+                number(is_target),
                 func.min(case((EvaluationRow.violations > 0, EvaluationRow.number))),
+                func.min(case((is_target, EvaluationRow.number))),
             )
             .where(EvaluationRow.campaign_seq == campaign_seq)
             .group_by(EvaluationRow.seed_number)
         )
-        return {seed: (a, b, c, d, e, f) for seed, a, b, c, d, e, f in self._session.execute(query)}
+        return {row[0]: row[1:] for row in map(tuple, self._session.execute(query))}
 
     def _kinds_by_seed(self, campaign_seq: int) -> dict[int, int]:
         query = (

@@ -103,6 +103,7 @@ def _row(campaign_seq: int, record: EvaluationRecord, now: datetime) -> Row:
         "generation": proposal.generation,
         "origin": proposal.origin,
         "parents": json.dumps(proposal.parents),
+        "redrawn": proposal.redrawn,
         "genes": json.dumps(proposal.values.tolist()),
         "status": record.status,
         "document_sha256": record.document_sha256 or None,

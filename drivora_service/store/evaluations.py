@@ -214,6 +214,7 @@ def _evaluation(row: EvaluationRow, failures: Sequence[FailureRow]) -> Evaluatio
             origin=row.origin,
             generation=row.generation,
             parents=tuple(json.loads(row.parents)),
+            redrawn=row.redrawn,
         ),
         status=EvaluationStatus(row.status),
         document_sha256=row.document_sha256 or "",

@@ -39,6 +39,7 @@ class ScenarioSize(Shape):
         actors: Number of egos, NPC vehicles, walkers, obstacles and vehicles of the background
             traffic.
         background: Vehicles of the background traffic.
+        patches: Slippery patches of the road.
         waypoints: Waypoints of all actors.
         settings: Values of weather, lights, region, extensions, seed and end that differ from
             their defaults.
@@ -58,6 +59,7 @@ class ScenarioSize(Shape):
     route_m: float
     sim_time_s: float
     digits: int
+    patches: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -27,7 +27,6 @@ from drivora_service.studies.comparing import (
     networks_of,
 )
 from drivora_service.studies.figures import CampaignFigures, Subject, figures_of
-from drivora_service.studies.situations import count_situations
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,7 +104,8 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
     privileged: set[str] = set()
     try:
         searched = searched_spaces_of(record, catalogues)
-        evaluations = check_genes(confirmed_evaluations(database, record.id), searched, record)
+        confirmed = confirmed_evaluations(database, record.id, document.oracles)
+        evaluations = check_genes(confirmed, searched, record)
         privileged.update(ego for one in evaluations for ego in one.report.privileged)
         figures = _figures(database, record, document, searched, groups, evaluations)
     except (CampaignError, InvalidDocument, NetworkError, SearchError) as error:
@@ -143,7 +143,6 @@ def _figures(
     numbers = {
         (one.failures[0].verdict.oracle, one.number) for one in groups if one.number is not None
     }
-    (situations,) = count_situations([[v for record in records for v in record.violations]])
     are_grouped = record.state is CampaignState.FINISHED
     subject = Subject(
         campaign=record.id, method=record.tester, scenario=record.town, seed=document.seed
@@ -152,8 +151,8 @@ def _figures(
         subject,
         records,
         [one.space for one in searched],
+        oracles=document.oracles,
         groups=len(numbers) if are_grouped else None,
-        situations=situations,
         budget=record.budget,
     )
     if not figures.simulations:

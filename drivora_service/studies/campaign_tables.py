@@ -21,6 +21,7 @@ _EVALUATIONS = (
     ("generation", pa.int32()),
     ("origin", pa.string()),
     ("parents", pa.list_(pa.int32())),
+    ("redrawn", pa.int32()),
     ("seed_number", pa.int32()),
     ("status", pa.string()),
     ("cause", pa.string()),
@@ -34,6 +35,7 @@ _EVALUATIONS = (
     ("told_at", _TIME),
     ("scenario_sha256", pa.string()),
     ("trace_sha256", pa.string()),
+    ("egos_sha256", pa.string()),
     ("genes", pa.list_(pa.float64())),
     ("metrics", pa.string()),
 )

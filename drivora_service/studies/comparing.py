@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -34,7 +34,8 @@ from drivora_service.studies.figures import (
     figures_of,
     within_time,
 )
-from drivora_service.studies.situations import count_situations
+from drivora_service.studies.finds import others_fault
+from drivora_service.studies.law_coverage import law_verdicts
 from drivora_service.studies.subjects import Compared, compared_campaigns
 
 if TYPE_CHECKING:
@@ -76,8 +77,8 @@ def compare_stored(
 ) -> Comparison:
     """Compares stored campaigns.
 
-    Failures that an identical run did not repeat are left out. Groups of similar failures are made
-    of the failures of all campaigns on a scenario at once.
+    Failures that an identical run did not repeat are left out. The figures of a campaign do not
+    depend on the others, but for the limit of equal time.
 
     Args:
         database: Holds the campaigns.
@@ -103,12 +104,16 @@ def compare_stored(
     figures: dict[str, CampaignFigures] = {}
     limits: dict[str, float] = {}
     for scenario, here in by_scenario.items():
-        evaluations = [confirmed_evaluations(database, c.record.id) for c in here]
+        evaluations = [
+            confirmed_evaluations(database, c.record.id, c.document.oracles) for c in here
+        ]
         if equal_time:
             limits[scenario] = min(duration_s(one) for one in evaluations)
         searched = searched_spaces_of(here[0].record, catalogues)
-        for found in figures_together(database, here, evaluations, searched, limits.get(scenario)):
-            figures[found.campaign] = found
+        for campaign, own in zip(here, evaluations, strict=True):
+            figures[campaign.record.id] = compared_figures(
+                database, campaign, own, searched, limits.get(scenario)
+            )
     ordered = tuple(figures[campaign.record.id] for campaign in campaigns)
     return Comparison(
         baseline=baseline,
@@ -120,23 +125,36 @@ def compare_stored(
     )
 
 
-def confirmed_evaluations(database: Database, campaign_id: str) -> tuple[EvaluationRecord, ...]:
+def confirmed_evaluations(
+    database: Database, campaign_id: str, oracles: Collection[str]
+) -> tuple[EvaluationRecord, ...]:
     """Returns the evaluations of a campaign, without failures that were not repeated.
 
-    Little of the runs' reports is kept, such as their durations: hundreds of campaigns must fit in
-    memory.
+    Little of the runs' reports is kept, such as their durations and which laws they violated:
+    hundreds of campaigns must fit in memory.
+
+    Args:
+        database: Holds the campaign.
+        campaign_id: Id of the campaign.
+        oracles: Oracles that it counts: of their verdicts, the violations at others' fault are kept
+            in the reports.
     """
     journal = StoreJournal(database, campaign_id)
     flaky = {f.evaluation for f in journal.failures() if f.confirmation is Confirmation.FLAKY}
     kept = []
     for record in journal.evaluations():
+        stands = record.number not in flaky
         report = RunReport(
             run_id=record.report.run_id,
             status=record.report.status,
+            verdicts=(
+                *law_verdicts(record.report.verdicts),
+                *(others_fault(record.report.verdicts, oracles) if stands else ()),
+            ),
+            egos_sha256=record.report.egos_sha256,
             wall_time_s=record.report.wall_time_s,
             privileged=record.report.privileged,
         )
-        stands = record.number not in flaky
         kept.append(
             replace(
                 record,
@@ -180,48 +198,40 @@ def network_coverage(
         after = page[-1][0]
 
 
-def figures_together(
+def compared_figures(
     database: Database,
-    campaigns: Sequence[Compared],
-    evaluations: Sequence[Sequence[EvaluationRecord]],
+    campaign: Compared,
+    records: Sequence[EvaluationRecord],
     searched: Sequence[SearchedSpace],
     limit: float | None,
-) -> list[CampaignFigures]:
-    """Returns the figures of campaigns on one scenario, whose failures are grouped together.
+) -> CampaignFigures:
+    """Returns the figures of a campaign in a comparison.
 
     Args:
-        database: Holds the scenarios of their evaluations.
-        campaigns: The campaigns.
-        evaluations: The evaluations of each.
-        searched: What all of them searched, seed by seed.
+        database: Holds the scenarios of its evaluations.
+        campaign: The campaign.
+        records: Its evaluations.
+        searched: What it searched, seed by seed.
         limit: Seconds of one worker after which evaluations do not count; ``None``: all count.
     """
-    counted = [one if limit is None else within_time(one, limit) for one in evaluations]
-    violations = [[verdict for record in one for verdict in record.violations] for one in counted]
     from drivora_service.campaigns.grouping import Grouping
 
-    groups = Grouping().count_each(violations)
-    situations = count_situations(violations)
-    return [
-        figures_of(
-            campaign.subject,
-            check_genes(records, searched, campaign.record),
-            [one.space for one in searched],
-            groups=groups,
-            situations=places,
-            network_coverage=network_coverage(
-                database,
-                campaign.record.id,
-                networks_of(searched),
-                until=records[-1].number if records else -1,
-            ),
-            time_limit_s=limit,
-            budget=campaign.record.budget,
-        )
-        for campaign, records, groups, places in zip(
-            campaigns, counted, groups, situations, strict=True
-        )
-    ]
+    counted = records if limit is None else within_time(records, limit)
+    return figures_of(
+        campaign.subject,
+        check_genes(counted, searched, campaign.record),
+        [one.space for one in searched],
+        oracles=campaign.document.oracles,
+        groups=Grouping().count([verdict for one in counted for verdict in one.violations]),
+        network_coverage=network_coverage(
+            database,
+            campaign.record.id,
+            networks_of(searched),
+            until=counted[-1].number if counted else -1,
+        ),
+        time_limit_s=limit,
+        budget=campaign.record.budget,
+    )
 
 
 def networks_of(searched: Sequence[SearchedSpace]) -> tuple[RoadNetwork, ...]:

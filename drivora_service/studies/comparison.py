@@ -34,8 +34,8 @@ class Measure:
     value: Callable[[CampaignFigures], float | None]
 
 
-def _until_first(figures: CampaignFigures) -> float | None:
-    """Returns the simulations up to the first failure; the budget plus one if there was none.
+def _until(first: int | None, figures: CampaignFigures) -> float | None:
+    """Returns the simulations up to a first failure; the budget plus one if there was none.
 
     A tester may have ended before its budget: with one more than it made, the tester that gave up
     first would seem to have found a failure first. At equal time the numbers of simulations differ
@@ -43,15 +43,14 @@ def _until_first(figures: CampaignFigures) -> float | None:
     """
     if figures.time_limit_s is not None:
         return None
-    if figures.first_failure is not None:
-        return float(figures.first_failure)
+    if first is not None:
+        return float(first)
     return float(max(figures.simulations, figures.budget or 0) + 1)
 
 
-def _seconds_until_first(figures: CampaignFigures) -> float | None:
-    """Returns the seconds to the first failure; at equal time all seconds if there was none."""
-    found = figures.first_failure_s
-    return figures.time_limit_s if found is None else found
+def _seconds_until(first_s: float | None, figures: CampaignFigures) -> float | None:
+    """Returns the seconds to a first failure; at equal time all seconds if there was none."""
+    return figures.time_limit_s if first_s is None else first_s
 
 
 MEASURES = (
@@ -60,6 +59,30 @@ MEASURES = (
         title="simulations with an avoidable at-fault failure",
         larger_is_better=True,
         value=lambda f: float(f.avoidable),
+    ),
+    Measure(
+        name="first_avoidable",
+        title="simulations to the first avoidable at-fault failure",
+        larger_is_better=False,
+        value=lambda f: _until(f.first_avoidable, f),
+    ),
+    Measure(
+        name="first_avoidable_s",
+        title="seconds to the first avoidable at-fault failure",
+        larger_is_better=False,
+        value=lambda f: _seconds_until(f.first_avoidable_s, f),
+    ),
+    Measure(
+        name="avoidable_kinds",
+        title="kinds of avoidable at-fault failures",
+        larger_is_better=True,
+        value=lambda f: float(f.avoidable_kinds),
+    ),
+    Measure(
+        name="avoidable_situations",
+        title="situations with an avoidable at-fault failure",
+        larger_is_better=True,
+        value=lambda f: float(f.avoidable_situations),
     ),
     Measure(
         name="at_fault",
@@ -80,16 +103,10 @@ MEASURES = (
         value=lambda f: float(f.kinds),
     ),
     Measure(
-        name="groups",
-        title="groups of similar failures",
-        larger_is_better=True,
-        value=lambda f: None if f.groups is None else float(f.groups),
-    ),
-    Measure(
         name="situations",
         title="situations with a failure",
         larger_is_better=True,
-        value=lambda f: None if f.situations is None else float(f.situations),
+        value=lambda f: float(f.situations),
     ),
     Measure(
         name="oracles",
@@ -101,13 +118,13 @@ MEASURES = (
         name="first_failure",
         title="simulations to the first failure",
         larger_is_better=False,
-        value=_until_first,
+        value=lambda f: _until(f.first_failure, f),
     ),
     Measure(
         name="first_failure_s",
         title="seconds to the first failure",
         larger_is_better=False,
-        value=_seconds_until_first,
+        value=lambda f: _seconds_until(f.first_failure_s, f),
     ),
     Measure(
         name="gene_coverage",
@@ -122,10 +139,22 @@ MEASURES = (
         value=lambda f: f.network_coverage,
     ),
     Measure(
+        name="law_coverage",
+        title="coverage of violations of traffic laws",
+        larger_is_better=True,
+        value=lambda f: f.law_coverage,
+    ),
+    Measure(
         name="invalid_share",
         title="share of invalid candidates",
         larger_is_better=False,
         value=lambda f: f.invalid_share,
+    ),
+    Measure(
+        name="unchanged_share",
+        title="share of candidates with their parent's run",
+        larger_is_better=False,
+        value=lambda f: f.unchanged_share,
     ),
     Measure(
         name="own_share",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields
 from pathlib import Path
 
@@ -53,12 +53,29 @@ def write_comparison(comparison: Comparison, folder: Path) -> tuple[Path, ...]:
 
 def _draw(comparison: Comparison, folder: Path) -> list[Path]:
     baseline = comparison.baseline
-    discoveries = [
+    targets = _discoveries(comparison, lambda f: f.found_avoidable)
+    failures = _discoveries(comparison, lambda f: f.found)
+    charts = [
+        *draw_found(targets, baseline, folder / "avoidable-found", of="avoidable failures"),
+        *draw_first(targets, baseline, folder / "first-avoidable", of="an avoidable failure"),
+        *draw_found(failures, baseline, folder / "failures-found"),
+        *draw_first(failures, baseline, folder / "first-failure"),
+    ]
+    if comparison.differences:
+        charts += draw_effects(_effects(comparison), baseline, folder / "effects")
+        charts += draw_values(_values(comparison), baseline, folder / "values")
+    return charts
+
+
+def _discoveries(
+    comparison: Comparison, found: Callable[[CampaignFigures], tuple[int, ...]]
+) -> list[Discoveries]:
+    return [
         Discoveries(
             title=scenario,
             methods={
                 method: [
-                    Repetition(simulations=f.simulations, found=f.found)
+                    Repetition(simulations=f.simulations, found=found(f))
                     for f in comparison.campaigns
                     if (f.scenario, f.method) == (scenario, method)
                 ]
@@ -67,14 +84,6 @@ def _draw(comparison: Comparison, folder: Path) -> list[Path]:
         )
         for scenario in comparison.budgets
     ]
-    charts = [
-        *draw_found(discoveries, baseline, folder / "failures-found"),
-        *draw_first(discoveries, baseline, folder / "first-failure"),
-    ]
-    if comparison.differences:
-        charts += draw_effects(_effects(comparison), baseline, folder / "effects")
-        charts += draw_values(_values(comparison), baseline, folder / "values")
-    return charts
 
 
 def _effects(comparison: Comparison) -> list[EffectRow]:

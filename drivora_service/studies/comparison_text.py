@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from drivora_service.studies.accountable_counts import COLUMNS, WORDS, accountable_rows
 from drivora_service.studies.comparing import Comparison
 from drivora_service.studies.comparison import SIGNIFICANT, Difference, Measure, measure
 from drivora_service.studies.figures import CampaignFigures
@@ -20,6 +21,9 @@ def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> 
     lines = [f"# Comparison with {comparison.baseline}", "", how_to_read(comparison), ""]
     lines += [f"- {line}" for line in setting(comparison)]
     lines += [f"- Note: {note}" for note in comparison.notes]
+    lines += ["", "## What the simulations came to", "", WORDS, ""]
+    lines += [f"| {' | '.join(COLUMNS)} |", "|---" * len(COLUMNS) + "|"]
+    lines += [f"| {' | '.join(row)} |" for row in accountable_rows(comparison.campaigns)]
     for by in measures_of(comparison):
         better = "more" if by.larger_is_better else "less"
         lines += [

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from pydantic import computed_field
 
 from drivora_service.geometry.arrays import FloatArray
-from drivora_service.oracles.accountability import Accountability
+from drivora_service.oracles.accountability import Accountability, accountability
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.shapes import Shape
 from drivora_service.store.campaign_records import EvaluationRecord
+from drivora_service.studies.finds import Finds, others_fault, redrawn_share, unchanged_share
+from drivora_service.studies.law_coverage import law_coverage
 
 _LEVELS = 4
 """Number of levels of a gene's range for counting tried combinations."""
@@ -35,25 +37,39 @@ class CampaignFigures(Shape):
         failed_share: Share of simulations without a result.
         failing: Simulations with at least one failure.
         at_fault: Simulations in which an ego is known to be responsible for one.
-        avoidable: Those of them with one that a careful and competent driver avoids.
+        avoidable: Those of them with one that a careful and competent driver avoids: the target.
+        not_measurable: Those of them without such a one, but with one of which the run does not
+            tell whether that driver avoids it.
         unavoidable: Those of them in which that driver avoids none.
         undetermined: Simulations in which the fault of no failure can be determined.
+        not_judged: Simulations that failed by oracles alone that do not attribute fault.
+        not_at_fault: Simulations without a failure, but with a violation at another actor's fault.
         kinds: Kinds of failures (``campaigns.failure_kinds``).
+        avoidable_kinds: Kinds of those failures that are the fault of an ego and avoidable.
         oracles: Different oracles violated; collisions count by the other actor: an ego, an NPC
             vehicle, background traffic, a walker or an obstacle.
-        groups: Groups of similar failures; ``None`` if they were not grouped.
-        situations: Situations in which failures occurred (``studies.situations``); ``None`` if
-            they were not counted.
+        groups: Groups of similar failures among its own; ``None`` if they were not grouped.
+        situations: Situations in which failures occurred (``studies.situations``).
+        avoidable_situations: Situations of failures that are the fault of an ego and avoidable.
         first_failure: Simulations up to the first failure, itself included; ``None``: none found.
+        first_avoidable: The same up to the first one that is the fault of an ego and avoidable.
         found: For each different failure, simulations up to it, ascending.
+        found_avoidable: The same for those that are the fault of an ego and avoidable.
         gene_coverage: Share of all combinations of two genes' levels that were tried; with several
             seed scenarios the mean of theirs.
         simulation_s: Seconds of all runs in their workers.
         own_s: Seconds of the method itself: asking, telling, repairing, decoding, checking.
         network_coverage: Share of the network's drivable lanes, by length, on which actors were
             placed or planned; ``None``: not known (see ``studies.road_coverage``).
+        law_coverage: Share of the ways to violate the traffic laws that judged its runs which some
+            run showed (``studies.law_coverage``); ``None``: no law judged them.
         first_failure_s: Seconds of one worker up to the first failure, the method's own included;
             ``None``: none found.
+        first_avoidable_s: The same up to the first one that is the fault of an ego and avoidable.
+        redrawn_share: Mutants that were drawn again, as they could not change the run of any ego,
+            over these and all candidates with a parent; ``None`` without any.
+        unchanged_share: Simulated candidates with the run of a parent, as far as the egos are
+            concerned, over all with a parent; ``None``: without any, or not recorded.
         time_limit_s: Seconds after which evaluations were left out, for a comparison at equal time;
             ``None``: none were.
         budget: Simulations that it could make; ``None``: those that it made.
@@ -69,19 +85,30 @@ class CampaignFigures(Shape):
     failing: int
     at_fault: int
     avoidable: int
+    not_measurable: int
     unavoidable: int
     undetermined: int
+    not_judged: int
+    not_at_fault: int
     kinds: int
+    avoidable_kinds: int
     oracles: int
     groups: int | None
-    situations: int | None
+    situations: int
+    avoidable_situations: int
     first_failure: int | None
+    first_avoidable: int | None
     found: tuple[int, ...]
+    found_avoidable: tuple[int, ...]
     gene_coverage: float
     simulation_s: float
     own_s: float
     network_coverage: float | None = None
+    law_coverage: float | None = None
     first_failure_s: float | None = None
+    first_avoidable_s: float | None = None
+    redrawn_share: float | None = None
+    unchanged_share: float | None = None
     time_limit_s: float | None = None
     budget: int | None = None
 
@@ -107,8 +134,8 @@ def figures_of(
     records: Sequence[EvaluationRecord],
     spaces: Sequence[GeneSpace],
     *,
+    oracles: Collection[str],
     groups: int | None = None,
-    situations: int | None = None,
     network_coverage: float | None = None,
     time_limit_s: float | None = None,
     budget: int | None = None,
@@ -119,8 +146,8 @@ def figures_of(
         subject: The campaign.
         records: Its evaluations in order.
         spaces: Its genes, by seed scenario.
+        oracles: Oracles that the campaign counts.
         groups: Groups of similar failures, if known.
-        situations: Situations in which they occurred, if known.
         network_coverage: See :class:`CampaignFigures`.
         time_limit_s: Seconds of wall time of one worker after which evaluations do not count;
             ``None``: all count.
@@ -129,27 +156,26 @@ def figures_of(
     if time_limit_s is not None:
         records = within_time(records, time_limit_s)
     simulated = [r for r in records if r.status is not EvaluationStatus.INVALID]
-    found: dict[str, int] = {}
-    oracles: set[tuple[str, str]] = set()
-    failing = at_fault = 0
+    finds, targets = Finds(), Finds()
+    violated: set[tuple[str, str]] = set()
+    failing = at_fault = not_at_fault = 0
     accountable = Counter[Accountability | None]()
-    first: int | None = None
-    first_s: float | None = None
     count, elapsed_s = 0, 0.0
     for record in records:
         elapsed_s += cost_s(record)
         count += record.status is not EvaluationStatus.INVALID
         if not record.violations:
+            not_at_fault += bool(others_fault(record.report.verdicts, oracles))
             continue
         failing += 1
         at_fault += record.at_fault
         accountable[record.accountability] += 1
-        if first is None:
-            first, first_s = count, elapsed_s
         for kind, verdict in zip(record.failure_kinds, record.violations, strict=True):
-            found.setdefault(kind, count)
+            finds.add(kind, verdict, count, elapsed_s)
+            if accountability(verdict) is Accountability.AVOIDABLE:
+                targets.add(kind, verdict, count, elapsed_s)
             # By its part: an actor of the seed scenario may be called anything.
-            oracles.add((verdict.oracle, str(verdict.evidence.get("counterpart_role", ""))))
+            violated.add((verdict.oracle, str(verdict.evidence.get("counterpart_role", ""))))
     failed = sum(r.status is EvaluationStatus.FAILED for r in simulated)
     return CampaignFigures(
         campaign=subject.campaign,
@@ -162,19 +188,30 @@ def figures_of(
         failing=failing,
         at_fault=at_fault,
         avoidable=accountable[Accountability.AVOIDABLE],
+        not_measurable=accountable[Accountability.NOT_MEASURABLE],
         unavoidable=accountable[Accountability.UNAVOIDABLE],
         undetermined=accountable[Accountability.UNDETERMINED],
-        kinds=len(found),
-        oracles=len(oracles),
+        not_judged=accountable[Accountability.NOT_JUDGED],
+        not_at_fault=not_at_fault,
+        kinds=len(finds.kinds),
+        avoidable_kinds=len(targets.kinds),
+        oracles=len(violated),
         groups=groups,
-        situations=situations,
-        first_failure=first,
-        found=tuple(sorted(found.values())),
+        situations=len(finds.situations),
+        avoidable_situations=len(targets.situations),
+        first_failure=finds.first,
+        first_avoidable=targets.first,
+        found=finds.found,
+        found_avoidable=targets.found,
         gene_coverage=_mean_coverage(simulated, spaces),
         simulation_s=sum(r.report.wall_time_s for r in simulated),
         own_s=sum(r.search_s + r.prepare_s for r in records),
         network_coverage=network_coverage,
-        first_failure_s=first_s,
+        law_coverage=law_coverage(v for r in simulated for v in r.report.verdicts),
+        first_failure_s=finds.first_s,
+        first_avoidable_s=targets.first_s,
+        redrawn_share=redrawn_share(records),
+        unchanged_share=unchanged_share(records),
         time_limit_s=time_limit_s,
         budget=budget,
     )

@@ -85,6 +85,7 @@ def _by_seed(report: CampaignReport) -> list[str]:
         "at fault",
         "avoidable",
         "kinds",
+        "first avoidable",
         "first failure",
     )
     rows = [
@@ -96,7 +97,8 @@ def _by_seed(report: CampaignReport) -> list[str]:
             str(seed.at_fault),
             str(seed.avoidable),
             str(seed.kinds),
-            "none" if seed.first_failure is None else f"evaluation {seed.first_failure}",
+            _evaluation(seed.first_avoidable),
+            _evaluation(seed.first_failure),
         )
         for seed in report.seeds
     ]
@@ -124,23 +126,33 @@ def _outcome(report: CampaignReport) -> list[tuple[str, str]]:
 
 
 def _measured(figures: CampaignFigures) -> list[tuple[str, str]]:
-    first = figures.first_failure
     covered = figures.network_coverage
     return [
+        ("simulations at fault, avoidability not measurable", str(figures.not_measurable)),
+        ("simulations with failures whose oracles tell no fault", str(figures.not_judged)),
+        ("simulations with violations at others' fault only", str(figures.not_at_fault)),
+        ("first avoidable failure at fault", _first(figures.first_avoidable)),
+        ("first failure", _first(figures.first_failure)),
+        ("kinds of avoidable failures at fault", str(figures.avoidable_kinds)),
         ("kinds of failures", str(figures.kinds)),
         (
             "groups of similar failures",
             "not grouped" if figures.groups is None else str(figures.groups),
         ),
-        (
-            "situations with a failure",
-            "not counted" if figures.situations is None else str(figures.situations),
-        ),
-        ("first failure", "none" if first is None else f"in simulation {first}"),
+        ("situations with an avoidable failure at fault", str(figures.avoidable_situations)),
+        ("situations with a failure", str(figures.situations)),
         ("coverage of the gene space", f"{figures.gene_coverage:.1%} of all pairs of levels"),
         (
             "coverage of the road network",
             "not known" if covered is None else f"{covered:.1%} of the drivable lanes",
+        ),
+        ("mutants drawn again, without an effect", _share(figures.redrawn_share)),
+        ("candidates with their parent's run", _share(figures.unchanged_share)),
+        (
+            "coverage of traffic laws",
+            "not known"
+            if figures.law_coverage is None
+            else f"{figures.law_coverage:.1%} of the ways to violate them",
         ),
         (
             "time of the method",
@@ -148,6 +160,18 @@ def _measured(figures: CampaignFigures) -> list[tuple[str, str]]:
             "of simulation",
         ),
     ]
+
+
+def _evaluation(number: int | None) -> str:
+    return "none" if number is None else f"evaluation {number}"
+
+
+def _first(simulation: int | None) -> str:
+    return "none" if simulation is None else f"in simulation {simulation}"
+
+
+def _share(share: float | None) -> str:
+    return "not known" if share is None else f"{share:.1%}"
 
 
 def _failures(report: CampaignReport) -> list[str]:

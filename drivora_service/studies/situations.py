@@ -1,64 +1,60 @@
-"""Counting the situations of violations, also where these fill a scenario evenly.
+"""The situations of failures: kinds of failures, told apart further by place and speeds.
 
-Chains of neighbours (``campaigns.grouping``) merge as more violations are found, and thousands of
-violations of one oracle can become one group. Here a situation extends no farther than a radius
-around its central violation: more violations never make fewer situations.
+A situation is a discrete key of one failure alone. So the number of situations of a campaign
+depends on nothing but its own failures, more failures never make fewer situations, and situations
+of several campaigns can be put together. Groups (``campaigns.grouping``) have none of that: their
+scale is the spread of the failures, and chains of neighbours merge.
 """
 
 from __future__ import annotations
 
 import math
-from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeAlias
 
-import numpy as np
-
-from drivora_service.campaigns.grouping import scale, situation_features
-from drivora_service.geometry.arrays import FloatArray
 from drivora_service.oracles.verdict import Verdict
 
-RADIUS = 0.15
-"""The distance of neighbours in a group: see ``campaigns.grouping``."""
+PLACE = 10.0
+"""Metres, the side of the squares of a fixed grid by which places are told apart: two lengths of a
+car."""
+SPEED = 5.0
+"""m/s by which speeds are told apart."""
+
+_EGO_SPEEDS = ("ego_speed", "speed")
+_OTHER_SPEEDS = ("other_speed",)
+"""Evidence with the speed of the ego and of the other actor; the first that an oracle has."""
+
+Situation: TypeAlias = tuple[str, int | None, int | None, int | None, int | None]
 
 
-def count_situations(samples: Sequence[Sequence[Verdict]]) -> tuple[int, ...]:
-    """Returns the number of situations in each of several samples of violations.
-
-    All violations are taken together, as their least and greatest values are the scale. Those of
-    one oracle are processed in the order of their features: one that is farther than the radius
-    from every situation so far starts the next. Each then belongs to the nearest situation.
+def situation_of(kind: str, verdict: Verdict) -> Situation:
+    """Returns the situation of a failure: its kind, and the cells of its place and speeds.
 
     Args:
-        samples: Violations, campaign by campaign.
-
-    Returns:
-        One number a sample.
+        kind: Its kind (``campaigns.failure_kinds``): oracle, junction or road, relation of the
+            other actor to the ego.
+        verdict: The violation; what it does not measure tells nothing apart.
     """
-    by_oracle: dict[str, list[tuple[int, Verdict]]] = defaultdict(list)
-    for index, sample in enumerate(samples):
-        for verdict in sample:
-            by_oracle[verdict.oracle].append((index, verdict))
-    counts = np.zeros(len(samples), dtype=np.int64)
-    for found in by_oracle.values():
-        features = situation_features([verdict for _, verdict in found])
-        situations = nearest_centres(scale(features) / math.sqrt(max(features.shape[1], 1)))
-        pairs = {(index, place) for (index, _), place in zip(found, situations, strict=True)}
-        counts += np.bincount([index for index, _ in pairs], minlength=len(samples))
-    return tuple(counts.tolist())
+    x, y = (None, None) if verdict.location is None else verdict.location
+    return (
+        kind,
+        _cell(x, PLACE),
+        _cell(y, PLACE),
+        _cell(_first(verdict.evidence, _EGO_SPEEDS), SPEED),
+        _cell(_first(verdict.evidence, _OTHER_SPEEDS), SPEED),
+    )
 
 
-def nearest_centres(points: FloatArray) -> tuple[int, ...]:
-    """Returns for each of (n, d) points the number of its centre; n >= 1.
+def count_situations(failures: Iterable[tuple[str, Verdict]]) -> int:
+    """Returns the number of different situations of failures, each with its kind."""
+    return len({situation_of(kind, verdict) for kind, verdict in failures})
 
-    Centres are points; no two of them are nearer than the radius, and no point is farther from one.
-    """
-    # In an order of their own: the result must not depend on the order of the campaigns.
-    ordered = np.unique(points, axis=0)
-    centres: list[FloatArray] = []
-    left = np.full(len(ordered), math.inf)
-    for k, point in enumerate(ordered):
-        if left[k] > RADIUS:
-            centres.append(point)
-            left = np.minimum(left, np.linalg.norm(ordered - point, axis=1))
-    away = np.linalg.norm(points[:, None] - np.array(centres)[None], axis=2)
-    return tuple(np.argmin(away, axis=1).tolist())
+
+def _first(evidence: Mapping[str, Any], names: Iterable[str]) -> Any:
+    return next((evidence[name] for name in names if name in evidence), None)
+
+
+def _cell(value: Any, size: float) -> int | None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        return None
+    return math.floor(value / size)

@@ -12,7 +12,7 @@ from drivora_service.campaigns.documents import CampaignDocument
 from drivora_service.errors import CampaignError, Conflict, UnknownName
 from drivora_service.shapes import Shape, combine
 from drivora_service.store.campaign_records import CampaignRecord, CampaignState
-from drivora_service.studies.comparing import confirmed_evaluations, figures_together
+from drivora_service.studies.comparing import compared_figures, confirmed_evaluations
 from drivora_service.studies.comparison import (
     SIGNIFICANT,
     Difference,
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from drivora_service.campaigns.catalogues import Catalogues
     from drivora_service.store.database import Database
 
-HEADLINES = ("avoidable", "at_fault", "failing", "kinds", "first_failure")
+HEADLINES = ("avoidable", "first_avoidable", "avoidable_kinds", "avoidable_situations", "failing")
 """Measures of a study, unless others are chosen."""
 
 _RANDOM = "random"
@@ -125,8 +125,8 @@ def compare_study(
 ) -> StudyComparison:
     """Compares the finished campaigns of a study.
 
-    Failures that an identical run did not repeat are left out. Groups of similar failures are made
-    of the failures of all campaigns on a scenario at once.
+    Failures that an identical run did not repeat are left out. The figures of a campaign do not
+    depend on the others.
 
     Args:
         database: Holds the study.
@@ -201,11 +201,11 @@ def _figures(
         here = [r for r in records if r.cell is not None and r.cell.scenario == scenario]
         if not here:
             continue
-        compared = [_subject(record, document) for record in here]
-        evaluations = [confirmed_evaluations(database, record.id) for record in here]
         searched = searched_spaces_of(here[0], catalogues)
-        found = figures_together(database, compared, evaluations, searched, None)
-        for record, figures in zip(here, found, strict=True):
+        for record in here:
+            campaign = _subject(record, document)
+            evaluations = confirmed_evaluations(database, record.id, campaign.document.oracles)
+            figures = compared_figures(database, campaign, evaluations, searched, None)
             agent = "" if record.cell is None else record.cell.agent
             yield combine(StudyFigures, figures, agent=agent)
 

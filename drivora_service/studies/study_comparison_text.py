@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from drivora_service.studies.accountable_counts import COLUMNS, WORDS, accountable_rows
 from drivora_service.studies.comparison import SIGNIFICANT, Difference
 from drivora_service.studies.comparison_text import a12, probability, value
 from drivora_service.studies.study_comparison import By, OverviewRow, StudyComparison
@@ -71,6 +72,10 @@ def study_markdown(comparison: StudyComparison, charts: Sequence[str] = ()) -> s
         if rows:
             lines += ["", f"## By {by}, against {baseline_of(comparison, by)}", ""]
             lines += _table(OVERVIEW_COLUMNS, [overview_cells(row) for row in rows])
+    lines += ["", "## What the simulations came to", "", WORDS, ""]
+    lines += _table(
+        COLUMNS, accountable_rows(comparison.campaigns, lambda f: f"{f.scenario}, {f.agent}")
+    )
     lines += [f"\n![{name}]({name})" for name in charts]
     for by, differences in ((By.METHOD, comparison.by_method), (By.AGENT, comparison.by_agent)):
         for title in dict.fromkeys(row.title for row in differences):

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 import pyarrow as pa
 
+from drivora_service.campaigns.documents import CampaignDocument
+from drivora_service.oracles.accountability import accountability
+from drivora_service.oracles.verdict_json import verdict_content
 from drivora_service.store.campaign_records import CampaignRecord, EvaluationRecord, Failure
 from drivora_service.store.database import Database
+from drivora_service.studies.finds import others_fault
 from drivora_service.studies.table_forms import Row, Table, table_chunks
 from drivora_service.studies.table_names import TableForm, TableName
 
@@ -52,12 +56,15 @@ SCHEMAS = {
             ("violations", pa.int32()),
             ("at_fault", pa.bool_()),
             ("accountability", pa.string()),
+            ("not_at_fault", pa.int32()),
+            ("redrawn", pa.int32()),
             ("sim_time_s", pa.float64()),
             ("wall_time_s", pa.float64()),
             ("search_s", pa.float64()),
             ("prepare_s", pa.float64()),
             ("scenario_sha256", pa.string()),
             ("trace_sha256", pa.string()),
+            ("egos_sha256", pa.string()),
             ("genes", pa.list_(pa.float64())),
             ("objectives", pa.string()),
             ("metrics", pa.string()),
@@ -74,12 +81,14 @@ SCHEMAS = {
             ("counterpart", pa.string()),
             ("at_fault", pa.bool_()),
             ("avoidable", pa.string()),
+            ("accountability", pa.string()),
             ("confirmation", pa.string()),
             ("group", pa.int32()),
             ("time_s", pa.float64()),
             ("x", pa.float64()),
             ("y", pa.float64()),
             ("message", pa.string()),
+            ("evidence", pa.string()),
             ("trace", pa.string()),
         ]
     ),
@@ -159,17 +168,18 @@ def _campaign_row(campaign: CampaignRecord) -> Row:
 
 def _evaluation_pages(database: Database, campaign: CampaignRecord) -> Iterator[Sequence[Row]]:
     place, after = _place(campaign), -1
+    oracles = CampaignDocument.model_validate(campaign.document).oracles
     while True:
         with database.read() as transaction:
             page = transaction.evaluations.page(campaign.id, after=after, limit=_PAGE)
-        yield [{**place, **_evaluation_row(record)} for record in page]
+        yield [{**place, **_evaluation_row(record, oracles)} for record in page]
         if len(page) < _PAGE:
             return
         after = page[-1].number
 
 
-def _evaluation_row(record: EvaluationRecord) -> Row:
-    report, accountability = record.report, record.accountability
+def _evaluation_row(record: EvaluationRecord, oracles: Collection[str]) -> Row:
+    report, degree = record.report, record.accountability
     measurement = report.measurement
     return {
         "evaluation": record.number,
@@ -180,13 +190,16 @@ def _evaluation_row(record: EvaluationRecord) -> Row:
         "cause": "" if report.failure is None else report.failure.cause,
         "violations": len(record.violations),
         "at_fault": record.at_fault,
-        "accountability": None if accountability is None else str(accountability),
+        "accountability": None if degree is None else str(degree),
+        "not_at_fault": len(others_fault(report.verdicts, oracles)),
+        "redrawn": record.proposal.redrawn,
         "sim_time_s": float(report.sim_time_s),
         "wall_time_s": float(report.wall_time_s),
         "search_s": record.search_s,
         "prepare_s": record.prepare_s,
         "scenario_sha256": record.document_sha256,
         "trace_sha256": report.trace_sha256,
+        "egos_sha256": report.egos_sha256,
         "genes": record.proposal.values.tolist(),
         "objectives": _json({} if measurement is None else measurement.objectives),
         "metrics": _json(report.metrics),
@@ -206,12 +219,14 @@ def _failure_row(campaign: CampaignRecord, failure: Failure) -> Row:
         "counterpart": verdict.counterpart,
         "at_fault": verdict.at_fault,
         "avoidable": None if verdict.avoidable is None else str(verdict.avoidable),
+        "accountability": str(accountability(verdict)),
         "confirmation": str(failure.confirmation),
         "group": failure.group,
         "time_s": verdict.time,
         "x": x,
         "y": y,
         "message": verdict.message,
+        "evidence": json.dumps(verdict_content(verdict)["evidence"], sort_keys=True),
         "trace": failure.trace,
     }
 

@@ -6,9 +6,12 @@ from drivora_service.search.genes import Block, Gene, GeneKind, GeneSpace, Part
 
 
 def small_space(
-    *, egos: int = 3, vehicles: int = 3, walkers: int = 2, slices: int = 4
+    *, egos: int = 3, vehicles: int = 3, walkers: int = 2, slices: int = 4, patches: int = 0
 ) -> GeneSpace:
-    """Returns a space with all parts, with blocks named and arranged as those of scenarios."""
+    """Returns a space with all parts, with blocks named and arranged as those of scenarios.
+
+    Patches are among them only where they are asked for.
+    """
     blocks: list[Block] = []
     start = 0
 
@@ -49,6 +52,20 @@ def small_space(
                 _number("angle", -0.7, 0.7, "rad"),
                 _number("speed", 1.25, 3.0, "m/s"),
                 _number("start_time", 0.0, 15.0, "s"),
+            ],
+        )
+    for i in range(patches):
+        add(
+            f"patch_{i}",
+            Part.PATCH,
+            [
+                _whole("present", 0.0, 1.0),
+                _choice("path", 3),
+                _number("place", 0.0, 1.0),
+                _number("lateral", -1.5, 1.5, "m"),
+                _number("length", 2.0, 30.0, "m"),
+                _number("width", 1.0, 8.0, "m"),
+                _number("friction", 0.05, 0.6),
             ],
         )
     add(

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -21,6 +22,7 @@ from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.runs.adversary import AdversarySource
 from drivora_service.search.components import Components
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.plugin import TesterPlugin
@@ -93,6 +95,7 @@ class TesterContract:
             proposal=proposal,
             status=EvaluationStatus.JUDGED,
             violations=(verdict,) if worst < 0.12 else (),
+            verdicts=(verdict,) if worst < 0.12 else (),
             scores=dict(measurement.objectives),
             measurement=measurement,
         )
@@ -187,6 +190,33 @@ class TesterContract:
 
         assert len(self.play(self.create(), 60, 4, mixed)) == 60
 
+    def test_it_goes_on_where_no_gene_had_an_effect(self) -> None:
+        idle = tuple(range(len(self.space())))
+
+        def judge(number: int, proposal: Proposal) -> Evaluation:
+            return replace(self.judged(number, proposal), without_effect=idle)
+
+        told = self.play(self.create(), 60, 4, judge)
+        assert len(told) == 60
+        assert all(e.proposal.redrawn >= 0 for e in told)
+        again = self.play(self.create(), 60, 4, judge)
+        assert [_key(e.proposal) for e in told] == [_key(e.proposal) for e in again]
+
+    def test_it_goes_on_where_every_run_is_hit_by_others(self) -> None:
+        by_another = Verdict(
+            oracle="collision",
+            ego="ego_0",
+            outcome=Outcome.VIOLATED,
+            message="",
+            at_fault=False,
+            time=1.0,
+        )
+
+        def judge(number: int, proposal: Proposal) -> Evaluation:
+            return replace(self.judged(number, proposal), violations=(), verdicts=(by_another,))
+
+        assert len(self.play(self.create(), 60, 4, judge)) == 60
+
     def test_a_wrong_order_is_refused(self) -> None:
         tester = self.create()
         first = tester.ask(2)
@@ -205,5 +235,6 @@ class TesterContract:
             self.create().ask(0)
 
 
-def _key(proposal: Proposal) -> tuple[bytes, str, int, tuple[int, ...]]:
-    return proposal.values.tobytes(), proposal.origin, proposal.generation, proposal.parents
+def _key(proposal: Proposal) -> tuple[bytes, str, int, tuple[int, ...], AdversarySource | None]:
+    values = proposal.values.tobytes()
+    return values, proposal.origin, proposal.generation, proposal.parents, proposal.adversary

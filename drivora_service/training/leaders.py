@@ -9,7 +9,7 @@ import numpy as np
 from drivora_service.errors import NoRoute
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle, Waypoint
 from drivora_service.search.space.driven_path import DrivenPath
-from drivora_service.search.space.vehicles import MODELS
+from drivora_service.search.space.vehicle_genes import MODELS
 from drivora_service.simulation.plan import EpisodePlan, plan_episode
 
 _GAPS = (14.0, 50.0)

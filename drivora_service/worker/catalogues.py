@@ -7,6 +7,7 @@ from functools import lru_cache
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.oracles.catalogue import OracleCatalogue
+from drivora_service.oracles.laws.sources import LawSource
 from drivora_service.worker.setup import WorkerSetup
 
 
@@ -26,7 +27,13 @@ def agents_of(setup: WorkerSetup) -> AgentCatalogue:
     )
 
 
-@lru_cache(maxsize=1)
-def installed_oracles() -> OracleCatalogue:
+def oracles_of(setup: WorkerSetup) -> OracleCatalogue:
     """Returns the catalogue of the process."""
-    return OracleCatalogue()
+    return _oracles(setup.laws, setup.installed_oracles)
+
+
+@lru_cache(maxsize=1)
+def _oracles(laws: tuple[LawSource, ...], _with_installed: bool) -> OracleCatalogue:
+    # That of the fork server, which does without the oracles of packages, has those of another
+    # time: they are found when a catalogue is made.
+    return OracleCatalogue(laws)

@@ -113,7 +113,15 @@ def _report(spec: RunSpec, perform: Perform, task: WorkerTask, board: ProgressBo
             board.leave(note_of_candidate(candidate, spec.run_id))
             if candidate.problem:
                 return _invalid(spec, candidate.problem)
-            spec = replace(spec, document=candidate.document, candidate=None)
+            repaired = replace(spec.candidate, values=candidate.values)
+            # An adversary acts while the run is performed.
+            acts = spec.candidate.adversary is not None
+            spec = replace(
+                spec,
+                document=candidate.document,
+                candidate=repaired,
+                prepared=candidate if acts else None,
+            )
         return perform(spec, task.setup, board)
     except SimulatorError as error:
         return _raised(spec, RunStatus.SIMULATOR_CRASHED, SIMULATOR_ERROR, error)

@@ -12,18 +12,23 @@ from drivora_service.errors import DrivoraError, PluginError, SearchError
 from drivora_service.feedback.catalogue import FeedbackCatalogue
 from drivora_service.feedback.measurement import Feedback, FeedbackChoice, Measurement
 from drivora_service.observations.run_view import RunView
+from drivora_service.oracles.laws.law import Law
 
 _LOG = 4000
 """Number of characters of a traceback that are kept."""
 
 
 @lru_cache(maxsize=1)
-def _catalogue() -> FeedbackCatalogue:
-    return FeedbackCatalogue()
+def _catalogue(laws: tuple[Law, ...]) -> FeedbackCatalogue:
+    return FeedbackCatalogue(laws)
 
 
-def make_feedback(choice: FeedbackChoice) -> Feedback:
+def make_feedback(choice: FeedbackChoice, laws: tuple[Law, ...] = ()) -> Feedback:
     """Makes the feedback of a choice.
+
+    Args:
+        choice: The choice.
+        laws: The traffic laws that judge runs.
 
     Raises:
         UnknownName: There is no feedback of that name.
@@ -31,7 +36,7 @@ def make_feedback(choice: FeedbackChoice) -> Feedback:
         PluginError: The plug-in cannot be loaded, or raises anything else.
     """
     try:
-        plugin = _catalogue().plugin(choice.name)
+        plugin = _catalogue(laws).plugin(choice.name)
     except SearchError as error:
         raise PluginError(str(error), cause="feedback_plugin", log=_log(error)) from error
     try:

@@ -231,8 +231,11 @@ def _problems(report: RunReport, run_id: str) -> Iterator[str]:
         yield f"the status {report.status} and no failure"
     if report.failure is not None and not _CAUSE.fullmatch(report.failure.cause):
         yield f"the cause {report.failure.cause!r}"
-    if not _SHA256.fullmatch(report.trace_sha256):
-        yield f"the hash {report.trace_sha256!r}"
+    for digest in (report.trace_sha256, report.egos_sha256):
+        if not _SHA256.fullmatch(digest):
+            yield f"the hash {digest!r}"
+    if any(gene < 0 for gene in report.without_effect):
+        yield f"the genes {report.without_effect}"
     if not 0 <= report.steps <= _MOST_STEPS:
         yield f"{report.steps} steps"
     for name in ("sim_time_s", "wall_time_s", "step_cost_us"):

@@ -7,15 +7,18 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
+from drivora_service.adversaries.playing import Table, play
 from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.agents.interface import Agent
+from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import (
     AgentError,
     InvalidDocument,
@@ -29,23 +32,28 @@ from drivora_service.errors import (
 from drivora_service.feedback.objectives import score
 from drivora_service.metrics.built_in import measure
 from drivora_service.observations.run_view import RunView
+from drivora_service.observations.trace import Trace
 from drivora_service.observations.trace_file import write_trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_hash import egos_sha256, trace_sha256
 from drivora_service.oracles.built_in import default_oracles, judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.scenario.overrides import with_overrides
+from drivora_service.simulation.changes import changes_anything
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.phase import RunPhase
-from drivora_service.simulation.plan import plan_episode
+from drivora_service.simulation.plan import EpisodePlan, plan_episode
 from drivora_service.simulation.sumo import SUMO_ERRORS
-from drivora_service.worker.catalogues import agents_of, installed_oracles, networks_of
+from drivora_service.worker.catalogues import agents_of, networks_of, oracles_of
 from drivora_service.worker.integrity import judging_code, sentence
+from drivora_service.worker.interventions import leave_scenario
 from drivora_service.worker.measuring import is_built_in, make_feedback, measure_run
+from drivora_service.worker.preparing import space_of_candidates
 from drivora_service.worker.progress import BOARD_CELLS, ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
+from drivora_service.worker.without_effect import genes_without_effect
 
 _LOG_LINES = 12
 """Number of traceback entries that are kept."""
@@ -93,7 +101,7 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
     cells[0] = RunPhase.PREPARING
     course = _Course(started=time.perf_counter(), versions=_versions())
     try:
-        return _perform(spec, setup, cells, course)
+        return _perform(spec, setup, board, cells, course)
     except AgentError as error:
         failure = RunFailure(cause=error.cause, message=str(error), log=error.log)
         # No error of the ADS is known; another attempt may succeed.
@@ -122,12 +130,15 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
 def _perform(
     spec: RunSpec,
     setup: WorkerSetup,
+    board: ProgressBoard | None,
     cells: np.ndarray[tuple[int], np.dtype[np.int64]],
     course: _Course,
 ) -> RunReport:
     code = judging_code()
     # An oracle that cannot be loaded is found before a simulation is spent on it.
-    installed = installed_oracles().installed() if setup.installed_oracles else ()
+    oracles = oracles_of(setup)
+    laws = oracles.laws()
+    installed = oracles.installed() if setup.installed_oracles else ()
     scenario = with_overrides(from_canonical(spec.document), agent=spec.agent, seed=spec.seed)
     network = networks_of(setup).get(scenario.map_region.town)
     plan = plan_episode(scenario, network)
@@ -135,13 +146,17 @@ def _perform(
     catalogue.begin_run()
     egos = (ego.agent.name for ego in scenario.ego_vehicles)
     course.versions = {**course.versions, **_versions_of(catalogue, egos)}
-    if installed:
-        names = (oracle.name for oracle in installed)
-        course.versions = {**course.versions, **_versions_of(installed_oracles(), names)}
+    names = (*(law.name for law in laws), *(oracle.name for oracle in installed))
+    course.versions = {**course.versions, **_versions_of(oracles, names)}
     course.agents = {ego.id: catalogue.completed(ego.agent) for ego in scenario.ego_vehicles}
     cells[4] = any(catalogue.is_in_process(e.agent.name) for e in scenario.ego_vehicles)
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
-    feedback = None if spec.feedback is None else make_feedback(spec.feedback)
+    feedback = (
+        None
+        if spec.feedback is None
+        else make_feedback(spec.feedback, tuple(judge.law for judge in laws))
+    )
+    adversary = None if spec.candidate is None else spec.candidate.adversary
     has_guests = any(catalogue.may_read_sumo(e.agent.name) for e in scenario.ego_vehicles)
     code.has_met_others |= has_guests
     episode = Episode(
@@ -150,15 +165,20 @@ def _perform(
         privileged=[catalogue.entry(e.agent.name).privileged for e in scenario.ego_vehicles],
         cells=cells,
         mirrored=has_guests,
-        holding=True,
+        holding=adversary is None,
     )
     cells[0] = RunPhase.SIMULATING
     begun = time.perf_counter()
-    while not episode.done:
-        episode.step()
+    tables: Mapping[str, Table] = {}
+    if adversary is None:
+        while not episode.done:
+            episode.step()
+        trace = episode.finish()
+    else:
+        played = play(episode, adversary, partial(leave_scenario, board, spec))
+        trace, tables = played.trace, played.tables
     course.stepping = time.perf_counter() - begun
     cells[0] = RunPhase.JUDGING
-    trace = episode.finish()
     if changes := code.changes():
         raise _changed_by_agent(changes, course)
     trace.meta["versions"] = course.versions
@@ -174,7 +194,7 @@ def _perform(
             return _failed(spec, RunStatus.INFRASTRUCTURE_FAILED, failure, course)
     steps = max(trace.step_count - 1, 1)
     view = RunView(trace, network)
-    verdicts = judge_all(trace, network, default_oracles(), view=view)
+    verdicts = judge_all(trace, network, (*default_oracles(), *laws), view=view)
     report = RunReport(
         run_id=spec.run_id,
         status=RunStatus.FINISHED,
@@ -182,6 +202,10 @@ def _perform(
         metrics=measure(trace, network, verdicts, view=view),
         scores=score(trace, network, view=view),
         trace_sha256=trace_sha256(trace),
+        egos_sha256=egos_sha256(trace),
+        without_effect=_without_effect(
+            spec, setup, plan, trace, is_bounded=not has_guests and _is_bounded(plan, agents, trace)
+        ),
         steps=trace.step_count,
         sim_time_s=float(trace.times[-1]),
         wall_time_s=time.perf_counter() - course.started,
@@ -205,6 +229,7 @@ def _perform(
         # Last, so that code of plug-ins cannot change the input of the others.
         if feedback is not None and spec.feedback is not None:
             measured = measure_run(spec.feedback.name, feedback, view)
+            measured = replace(measured, features={**measured.features, **tables})
             report = replace(report, measurement=measured)
         own = judge_all(trace, network, installed, view=view)
         if changes := code.changes():
@@ -217,6 +242,32 @@ def _perform(
         report,
         verdicts=(*verdicts, *own),
         wall_time_s=time.perf_counter() - course.started,
+    )
+
+
+def _without_effect(
+    spec: RunSpec, setup: WorkerSetup, plan: EpisodePlan, trace: Trace, *, is_bounded: bool
+) -> tuple[int, ...]:
+    """Returns the genes without an effect; none if the document was not made of genes alone."""
+    if spec.candidate is None or spec.candidate.adversary is not None:
+        return ()
+    space = space_of_candidates(spec.candidate.space, setup)
+    values = np.array(spec.candidate.values)
+    return genes_without_effect(space, values, plan, trace, is_bounded=is_bounded)
+
+
+def _is_bounded(plan: EpisodePlan, agents: Sequence[Agent | SumoDriver], trace: Trace) -> bool:
+    """Returns whether agents perceive only what is near, and SUMO drives no actor.
+
+    Neither is known of an episode that changes while it runs.
+    """
+    flow = plan.scenario.background_traffic
+    return not (
+        plan.driven
+        or changes_anything(plan.scenario)
+        or (flow is not None and flow.count)
+        or any(trace.privileged)
+        or any(isinstance(agent, SumoDriver) for agent in agents)
     )
 
 

@@ -8,7 +8,9 @@ import numpy as np
 
 from drivora_service.runs.candidate import Candidate, CandidateSource, SpaceSource
 from drivora_service.search.space.candidates import ScenarioCandidates
+from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.source import space_of
+from drivora_service.simulation.free_motion import planned_motions
 from drivora_service.worker.catalogues import agents_of, networks_of
 from drivora_service.worker.setup import WorkerSetup
 
@@ -23,7 +25,13 @@ def prepare(source: CandidateSource, setup: WorkerSetup) -> Candidate:
     Raises:
         DrivoraError: The space cannot be built here.
     """
-    return _candidates(source.space, setup).prepare(np.array(source.values))
+    candidates = _candidates(source.space, setup)
+    return candidates.prepare(np.array(source.values), source.reference)
+
+
+def space_of_candidates(source: SpaceSource, setup: WorkerSetup) -> ScenarioSpace:
+    """Returns the space in which a worker decodes genes."""
+    return _candidates(source, setup).space
 
 
 @lru_cache(maxsize=64)
@@ -37,4 +45,5 @@ def _candidates(space: SpaceSource, setup: WorkerSetup) -> ScenarioCandidates:
         space=space_of(space, networks),
         networks=networks,
         agents=frozenset(agents_of(setup).names()),
+        motions=planned_motions,
     )

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from drivora_service.agents.remote.confinement import Confinement
+from drivora_service.oracles.laws.sources import LawSource
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,6 +21,7 @@ class WorkerSetup:
         agent_deadline_s: Seconds of one call of an agent after which the slot ends the worker; a
             hang of an ADS in a process of its own must be detected before.
         installed_oracles: Whether oracles of installed packages judge, too.
+        laws: The user's traffic laws, as they were when the service or command started.
         confinement: User account and limits of ADSs in processes of their own.
     """
 
@@ -28,4 +30,5 @@ class WorkerSetup:
     agents: Path | None = None
     agent_deadline_s: float = 10.0
     installed_oracles: bool = True
+    laws: tuple[LawSource, ...] = ()
     confinement: Confinement = field(default_factory=Confinement)

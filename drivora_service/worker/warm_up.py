@@ -12,7 +12,12 @@ from dataclasses import replace
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.runs.report import RunSpec
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.scenario.model import BackgroundTraffic, NpcObstacle, Scenario
+from drivora_service.scenario.model import (
+    BackgroundTraffic,
+    FrictionPatch,
+    NpcObstacle,
+    Scenario,
+)
 from drivora_service.scenario.warm_up import warm_up_checks
 from drivora_service.worker.performing import perform
 from drivora_service.worker.setup import WorkerSetup
@@ -45,7 +50,7 @@ def warm_up(setup: WorkerSetup) -> None:
 def _into_an_obstacle(scenario: Scenario) -> Scenario:
     """Returns the scenario with an obstacle that its first ego must hit.
 
-    Judging a collision uses kernels of its own.
+    Judging a collision uses kernels of its own, and so do slippery patches: there is one.
     """
     ego, *others = scenario.ego_vehicles
     start = ego.route[0]
@@ -58,4 +63,9 @@ def _into_an_obstacle(scenario: Scenario) -> Scenario:
         scenario,
         ego_vehicles=(replace(ego, initial_speed=_SPEED), *others),
         npc_obstacles=(*scenario.npc_obstacles, obstacle),
+        friction_patches=(
+            FrictionPatch(
+                id="patch", location=start, length=_AHEAD_M, width=_AHEAD_M, friction=0.9
+            ),
+        ),
     )

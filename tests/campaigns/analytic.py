@@ -17,7 +17,7 @@ from drivora_service.feedback.measurement import FeedbackChoice, Measurement
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.runs.candidate import Candidate, CandidateSource, SpaceSource
+from drivora_service.runs.candidate import Candidate, CandidateSource, Reference, SpaceSource
 from drivora_service.runs.encoding import report_from_json, report_to_json
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.search.genes import GeneSpace
@@ -48,7 +48,7 @@ class Values:
     def source(self) -> SpaceSource:
         return SpaceSource(seed="", options=json.dumps(self._invalid_below))
 
-    def prepare(self, values: FloatArray) -> Candidate:
+    def prepare(self, values: FloatArray, _reference: Reference | None = None) -> Candidate:
         repaired = values.copy()
         repaired[self._grid] = np.round(repaired[self._grid], 2)
         invalid = self._space.to_unit(repaired)[self._grid] < self._invalid_below
@@ -103,6 +103,7 @@ def perform(spec: RunSpec) -> RunReport:
             objectives={"min_gap": first, "time_to_collision": second, "progress": None},
             features={"profile": ((first, 1.0 / 3.0), (second, 0.1 + 0.2))},
         ),
+        without_effect=(int(17 * first), 20),
         trace_sha256=hashlib.sha256(spec.document.encode()).hexdigest(),
         steps=100,
         sim_time_s=5.0,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
+import sqlite3
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +12,7 @@ import pytest
 
 from drivora_service.campaigns.queue_evaluator import QueueEvaluator
 from drivora_service.errors import Conflict
+from drivora_service.runs.adversary import AdversarySource
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.candidate import Candidate, CandidateSource, SpaceSource
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
@@ -141,3 +144,49 @@ def test_a_run_of_other_genes_is_no_answer(
         (spec,) = claimed(database, owner)
         assert spec.candidate == other
         finish(database, owner, with_candidate(finished("campaign-0")))
+
+
+ADVERSARY = AdversarySource(policy="A" * 4000, exploration=0.25, seed=7, interval=6.0)
+PLAYED = replace(SPEC, candidate=replace(SOURCE, adversary=ADVERSARY))
+
+
+def stored_candidate(tmp_path: Path) -> str:
+    with contextlib.closing(sqlite3.connect(tmp_path / "drivora.sqlite3")) as connection:
+        ((text,),) = connection.execute("SELECT candidate FROM runs")
+    return str(text)
+
+
+def test_an_adversary_reaches_the_worker_and_its_policy_is_not_kept(
+    database: Database, evaluate: QueueEvaluator, tmp_path: Path
+) -> None:
+    evaluate.submit([(0, PLAYED)])
+    owner = register(database)
+    assert claimed(database, owner) == (PLAYED,)
+    assert ADVERSARY.policy in stored_candidate(tmp_path)
+    finish(database, owner, with_candidate(finished("campaign-0", "collision")))
+    (answer,) = evaluate.wait(60.0)
+    assert answer.candidate == DECODED
+    assert ADVERSARY.policy not in stored_candidate(tmp_path)
+    assert hashlib.sha256(ADVERSARY.policy.encode()).hexdigest() in stored_candidate(tmp_path)
+
+
+def test_a_resumed_campaign_finds_the_run_of_its_adversary(
+    database: Database, evaluate: QueueEvaluator, tmp_path: Path
+) -> None:
+    evaluate.submit([(0, PLAYED)])
+    owner = register(database)
+    claimed(database, owner)
+    finish(database, owner, with_candidate(finished("campaign-0", "collision")))
+    assert evaluate.wait(60.0)
+    resumed = again(database, tmp_path)
+    resumed.submit([(0, PLAYED)])
+    assert claimed(database, owner) == ()
+    (answer,) = resumed.wait(60.0)
+    assert answer.candidate == DECODED
+    # Another policy is another run.
+    other = replace(ADVERSARY, policy="B" * 4000)
+    changed = again(database, tmp_path)
+    changed.submit([(0, replace(PLAYED, candidate=replace(SOURCE, adversary=other)))])
+    (spec,) = claimed(database, owner)
+    assert spec.candidate is not None
+    assert spec.candidate.adversary == other

@@ -3,13 +3,14 @@ from __future__ import annotations
 import copy
 import json
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
 
+from drivora_service.campaigns import documents
 from drivora_service.campaigns.campaign import DEFAULT_ORACLES, FeedbackMode
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.documents import SpaceDocument, campaign_text
@@ -20,7 +21,9 @@ from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.search.space.options import SpaceOptions
+from drivora_service.search.space.presets import PRESETS, SpacePreset
 from tests.oracles.installing import install_oracles
+from tests.oracles.laws.laws import source_of
 
 Change = Callable[[dict[str, Any]], object]
 
@@ -85,6 +88,27 @@ WRONG: dict[str, tuple[Change, str, str]] = {
     ),
     "unknown mutation": (put("tester", "mutation", value="gauss"), "/tester/mutation", "nown:"),
     "unknown selection": (put("tester", "selection", value="best"), "/tester/selection", "nown:"),
+    "unknown preset": (
+        put("space", value={"preset": "avfuzzr"}),
+        "/space/preset",
+        "'default', 'avfuzzer', 'behavexplor' or 'doppeltest'",
+    ),
+    "preset as a list": (put("space", value={"preset": ["avfuzzer"]}), "/space/preset", "found"),
+    "unknown option of a preset": (
+        put("space", value={"preset": "avfuzzer", "vehicle": 3}),
+        "/space/vehicle",
+        "did you mean 'vehicles'",
+    ),
+    "too hard braking": (
+        put("space", value={"max_deceleration": 12.5}),
+        "/space/max_deceleration",
+        "12",
+    ),
+    "too gentle braking": (
+        put("space", value={"max_deceleration": 0.25}),
+        "/space/max_deceleration",
+        "0 and 0.5 or more are allowed",
+    ),
     "unknown feedback": (
         put("tester", "feedback", value="none"),
         "/tester/feedback",
@@ -263,10 +287,52 @@ def test_the_agent_drives_every_ego(content: dict[str, Any], catalogues: Catalog
 
 
 def test_documents_have_the_options_of_the_space() -> None:
-    assert set(SpaceDocument.model_fields) == {field.name for field in fields(SpaceOptions)}
+    options = {field.name for field in fields(SpaceOptions)}
+    assert set(SpaceDocument.model_fields) == {"preset", *options}
     defaults = SpaceDocument()
     for field in fields(SpaceOptions):
         assert getattr(defaults, field.name) == getattr(SpaceOptions(), field.name)
+
+
+@pytest.mark.parametrize("name", SpacePreset)
+def test_a_preset_fills_the_space(
+    name: SpacePreset, content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["space"] = {"preset": name.value}
+    valid = read_campaign(content, catalogues)
+    assert valid.campaign.space == PRESETS[name].options
+    (note,) = valid.notes
+    assert f"the preset {name.value!r}: {PRESETS[name].description}" in note
+    assert "changed" not in note
+
+
+def test_values_of_a_preset_can_be_replaced(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    # `null` is as little a value here as elsewhere; 0 is one.
+    own = {"vehicles": 3, "slice_time": 2.0, "min_speed": None, "max_deceleration": 0.0}
+    content["space"] = {"preset": "avfuzzer", **own}
+    valid = read_campaign(content, catalogues)
+    given = PRESETS[SpacePreset.AVFUZZER].options
+    assert valid.campaign.space == replace(given, vehicles=3, slice_time=2.0, max_deceleration=0.0)
+    assert valid.notes[0].endswith("; changed in the file: vehicles, slice_time, max_deceleration")
+    # What is stored has all values, and is read to the same.
+    stored = campaign_text(valid.document)
+    assert read_campaign(stored, catalogues).campaign == valid.campaign
+
+
+def test_a_stored_space_does_not_follow_its_preset(
+    content: dict[str, Any], catalogues: Catalogues, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    content["space"] = {"preset": "behavexplor"}
+    valid = read_campaign(content, catalogues)
+    stored = campaign_text(valid.document)
+    later = replace(
+        PRESETS[SpacePreset.BEHAVEXPLOR], options=SpaceOptions(vehicles=9, slice_time=2.0)
+    )
+    monkeypatch.setattr(documents, "PRESETS", {**PRESETS, SpacePreset.BEHAVEXPLOR: later})
+    assert read_campaign(stored, catalogues).campaign.space == valid.campaign.space
+    assert read_campaign(content, catalogues).campaign.space.vehicles == 9
 
 
 def test_a_space_that_cannot_be_is_a_problem_of_the_space(
@@ -331,3 +397,65 @@ def test_the_networks_of_several_seed_scenarios_are_named_together(
     valid = read_campaign(content, catalogues)
     assert valid.town == "tee-town, old-town"
     assert valid.network_sha256 != alone
+
+
+def test_oracles_that_a_tester_needs_or_that_have_nothing_to_judge_are_told_of(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["oracles"] = ["collision", "non_optimal_decision"]
+    (note,) = read_campaign(content, catalogues).notes
+    assert "judges nothing here" in note
+    content["tester"] = {"name": "decictor"}
+    assert read_campaign(content, catalogues).notes == ()
+    content["oracles"] = ["collision"]
+    (note,) = read_campaign(content, catalogues).notes
+    assert "name it in `oracles`" in note
+    content["tester"] = {"name": "random"}
+    content["oracles"] = ["non_optimal_decision"]
+    (ego,) = content["scenario"]["ego_vehicles"]
+    ego["reference_path"] = [
+        {"time": time, "x": 10.0 * time, "y": 0.0, "yaw": 0.0, "speed": 10.0} for time in (0.0, 9.0)
+    ]
+    assert read_campaign(content, catalogues).notes == ()
+
+
+def test_paths_cannot_be_kept_clear_of_vehicles_that_sumo_drives(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["tester"] = {"name": "decictor"}
+    content["space"] |= {"optional": True, "behavior": "sumo"}
+    with pytest.raises(InvalidDocument) as refused:
+        prepare_search(read_campaign(content, catalogues), catalogues, run_prefix="x")
+    (problem,) = refused.value.problems
+    assert problem.pointer == "/space/behavior"
+    assert "'replay' or 'reactive'" in problem.message
+
+
+def test_a_law_that_is_searched_for_must_exist(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["tester"] = {
+        "name": "lawbreaker",
+        "parameters": {"laws": ["law_45_speed_limit", "law_45_speed"]},
+    }
+    with pytest.raises(InvalidDocument) as refused:
+        read_campaign(content, catalogues)
+    (problem,) = refused.value.problems
+    assert problem.pointer == "/tester/parameters/laws/1"
+    assert "unknown law 'law_45_speed'; did you mean 'law_45_speed_limit'" in problem.message
+    content["tester"]["parameters"] = {"laws": ["law_45_speed_limit"]}
+    assert read_campaign(content, catalogues).campaign.tester.name == "lawbreaker"
+
+
+def test_a_search_by_laws_depends_on_the_users_files(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    own = Catalogues(catalogues.networks, laws=(source_of("speed < 3"),))
+    assert "laws/own.yaml" not in read_campaign(content, own).versions
+    content["oracles"] = ["collision", "own_law"]
+    assert "laws/own.yaml" in read_campaign(content, own).versions
+    content["oracles"] = ["collision"]
+    content["tester"] = {"name": "lawbreaker"}
+    assert "laws/own.yaml" in read_campaign(content, own).versions
+    changed = Catalogues(catalogues.networks, laws=(source_of("speed < 4"),))
+    assert read_campaign(content, own).versions != read_campaign(content, changed).versions

@@ -37,7 +37,7 @@ campaigns = st.fixed_dictionaries(
     {
         "name": texts.filter(bool),
         "tester": st.fixed_dictionaries(
-            {"name": st.sampled_from(["random", "avfuzzer", "behavexplor", "samota"])},
+            {"name": st.sampled_from(["random", "avfuzzer", "behavexplor", "samota", "drivefuzz"])},
             optional=optional(feedback=st.sampled_from([str(mode) for mode in FeedbackMode])),
         ),
         "scenario": st.just(GOOD),

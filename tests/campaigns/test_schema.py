@@ -16,6 +16,7 @@ BEYOND_THE_SCHEMA = frozenset(
     {
         # Problems that only the catalogues, the network or the server can find.
         "unknown tester",
+        "too gentle braking",
         "tester's parameters",
         "unknown mutation",
         "unknown selection",

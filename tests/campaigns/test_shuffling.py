@@ -26,6 +26,20 @@ def test_results_come_from_other_candidates_that_were_judged() -> None:
         assert evaluation.measurement in earlier
 
 
+def test_all_results_come_from_the_same_candidate_and_genes_without_effect_from_its_own() -> None:
+    tester = climber()
+    journal = MemoryJournal()
+    run(journal, tester=shuffled(tester))
+    own = {r.number: r.report for r in journal.evaluations()}
+    swapped = 0
+    for told in (e for e in tester.told if e.status is EvaluationStatus.JUDGED):
+        sources = [n for n, report in own.items() if report.measurement == told.measurement]
+        assert told.verdicts in [own[n].verdicts for n in sources]
+        assert told.without_effect == own[told.number].without_effect != ()
+        swapped += told.verdicts != own[told.number].verdicts
+    assert swapped
+
+
 def test_whether_a_candidate_is_valid_is_told_as_it_is() -> None:
     tester = climber()
     journal = MemoryJournal()

@@ -20,6 +20,7 @@ from drivora_service.api.examples import SCENARIO
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.store.database import Database, open_database
+from drivora_service.studies.law_coverage import law_coverage
 from tests.campaigns.analytic import sequence
 from tests.cli.conftest import Drivora
 
@@ -282,4 +283,10 @@ def test_a_folder_of_seed_scenarios_is_searched_in_turns(
         assert seed["violating"] == sum(bool(record.violations) for record in own)
         assert seed["kinds"] == len({kind for record in own for kind in record.failure_kinds})
     assert "Seed scenarios" in drivora("campaign", "show", campaign["id"]).out
-    assert "| tee-town_0001 | tee-town | 8 |" in drivora("campaign", "report", campaign["id"]).out
+    report = drivora("campaign", "report", campaign["id"]).out
+    assert "| tee-town_0001 | tee-town | 8 |" in report
+    # Laws have judged the runs of this method, which does not search by them.
+    verdicts = [verdict for record in found for verdict in record.report.verdicts]
+    covered = law_coverage(verdicts)
+    assert covered is not None
+    assert f"| coverage of traffic laws | {covered:.1%} of the ways to violate them |" in report

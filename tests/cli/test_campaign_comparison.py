@@ -100,7 +100,14 @@ def test_real_campaigns_are_compared_and_reported(
         ["comparison.csv", "comparison.md", "figures.csv"]
         + [
             f"{name}.{suffix}"
-            for name in ("effects", "failures-found", "first-failure", "values")
+            for name in (
+                "avoidable-found",
+                "effects",
+                "failures-found",
+                "first-avoidable",
+                "first-failure",
+                "values",
+            )
             for suffix in ("png", "svg")
         ]
     )
@@ -154,5 +161,5 @@ def test_what_cannot_be_compared_is_said(drivora: Drivora) -> None:
     assert "unknown campaign 'nothing'" in unknown.err
     measure = drivora("campaign", "compare", "nothing", "--measure", "beauty")
     assert measure.code == 2
-    assert "unknown measure 'beauty'; known: avoidable, at_fault" in measure.err
+    assert "unknown measure 'beauty'; known: avoidable, first_avoidable" in measure.err
     assert drivora("campaign", "report", "nothing").code == 2

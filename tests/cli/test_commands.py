@@ -259,3 +259,46 @@ def test_the_demo_shows_the_whole_way(drivora: Drivora, tmp_path: Path) -> None:
     assert found[0]["verdict"] in again["verdicts"]
     assert (tmp_path / "demo-data" / "run.svg").is_file()
     assert not (tmp_path / "demo-data" / "service.json").exists()
+
+
+_LAW = """\
+laws:
+  - name: never_fast
+    title: Never fast
+    source: nobody
+    description: The ego is fast.
+    severity: minor
+    formula: always (speed < 2)
+"""
+
+
+def test_laws(drivora: Drivora, tmp_path: Path) -> None:
+    folder = tmp_path / "laws"
+    folder.mkdir()
+    (folder / "own.yaml").write_text(_LAW)
+    checked = drivora("laws", "check", str(folder / "own.yaml"))
+    assert checked.code == 0
+    assert "violated in 1 way:\n  1. speed >= 2\n" in checked.out
+    told = drivora("laws", "check", str(folder / "own.yaml"), "--json").json()
+    assert told["files"][0]["laws"][0]["sub_violations"] == ["speed >= 2"]
+
+    settings = {"DRIVORA_LAWS_DIR": str(folder)}
+    listed = drivora("laws", "list", "--json", **settings).json()
+    assert listed["broken"] == []
+    assert [law["name"] for law in listed["laws"]][-1] == "never_fast"
+    assert "own.yaml" in drivora("laws", "list", **settings).out
+    shown = drivora("oracles", "show", "never_fast", **settings).out
+    assert "Formula: always (speed < 2)" in shown
+    assert drivora("oracles", "show", "never_fast").code == 2
+
+    wrong = folder / "wrong.yaml"
+    wrong.write_text(_LAW.replace("never_fast", "other").replace("speed", "sped"))
+    refused = drivora("laws", "check", str(wrong))
+    assert refused.code == 1
+    assert "wrong.yaml:7:22: unknown name 'sped'; did you mean 'speed'?" in refused.err
+    told = drivora("laws", "check", str(wrong), "--json")
+    assert told.code == 1
+    assert told.json()["files"][0]["problems"][0]["code"] == "formula"
+    assert "wrong.yaml cannot be used" in drivora("laws", "list", **settings).err
+    listed = drivora("laws", "list", "--json", **settings).json()
+    assert [one["file"] for one in listed["broken"]] == ["wrong.yaml"]

@@ -28,8 +28,17 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "behavexplor": (MOTORWAY, {}),
     "samota": (MOTORWAY, {"initial": 12}),
     "doppeltest": (JUNCTION, {}),
+    "lawbreaker": (MOTORWAY, {"generations": 3}),
+    # Several seeds within the budget.
+    "drivefuzz": (MOTORWAY, {"cycles": 4}),
+    "decictor": (MOTORWAY, {}),
 }
 """Campaign and parameters by method, such that each of its steps is made within the budget."""
+
+SPACES: dict[str, dict[str, Any]] = {
+    "drivefuzz": {"vehicles": 4, "walkers": 1, "obstacles": 1, "patches": 2, "optional": True}
+}
+"""What differs from the campaign's own space."""
 
 
 def campaign_of(method: str, folder: Path) -> Path:
@@ -38,6 +47,10 @@ def campaign_of(method: str, folder: Path) -> Path:
     document = yaml.safe_load((shipped_campaigns() / f"{name}.yaml").read_text())
     document["scenario"]["file"] = str(shipped_campaigns() / document["scenario"]["file"])
     document["tester"] = {"name": method, "parameters": parameters}
+    document["space"] = {**document["space"], **SPACES.get(method, {})}
+    if method == "decictor":
+        document["space"] |= {"optional": True, "behavior": "replay"}
+        document["oracles"] = ["collision", "non_optimal_decision"]
     document["budget"] = {"simulations": SIMULATIONS}
     path = folder / f"{method}.yaml"
     path.write_text(yaml.safe_dump(document))

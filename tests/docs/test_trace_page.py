@@ -27,19 +27,28 @@ _PAGE = (_ROOT / "docs" / "reference" / "trace.md").read_text()
 
 @pytest.fixture(scope="module")
 def trace_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run with signals, agents' logs, background, and an ego that drives into an obstacle."""
+    """A run with signals, agents' logs, background, an ego that drives into an obstacle, and one
+    with a reference path."""
     example = _ROOT / "openscenario_schemas" / "examples" / "three-drivers.json"
     document = json.loads(example.read_text())
     document["max_sim_time"] = 8.0
+    document["weather_changes"] = [{"time": 4.0, "weather": {"wetness": 50.0}}]
     crashing = document["ego_vehicles"][2]
     crashing["initial_speed"] = 12.0
     start = crashing["route"][0]
+    crashing["reference_path"] = [
+        {"time": time, "x": start["x"], "y": start["y"], "yaw": 0.0, "speed": 0.0}
+        for time in (0.0, 5.0)
+    ]
     document["npc_obstacles"] = [
         {
             "id": "bin",
             "model": "static.prop.container",
             "location": {"x": start["x"], "y": start["y"] - 8.0},
         }
+    ]
+    document["friction_patches"] = [
+        {"id": "ice", "location": start, "length": 4.0, "width": 2.0, "friction": 0.9}
     ]
     path = tmp_path_factory.mktemp("trace") / "first.trace.parquet"
     networks = NetworkCatalogue(shipped_networks())

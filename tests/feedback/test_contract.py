@@ -4,21 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
+import numpy as np
 import pytest
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.avfuzzer import AVFUZZER
 from drivora_service.feedback.behavexplor import BEHAVEXPLOR
 from drivora_service.feedback.catalogue import BUILT_IN
+from drivora_service.feedback.decictor import DECICTOR
+from drivora_service.feedback.deepcollision import DEEPCOLLISION
 from drivora_service.feedback.doppeltest import DOPPELTEST
+from drivora_service.feedback.drivefuzz import DRIVEFUZZ
 from drivora_service.feedback.general import GENERAL
+from drivora_service.feedback.lawbreaker import lawbreaker_feedback
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.feedback.samota import SAMOTA
 from drivora_service.observations.run_view import RunView
+from drivora_service.observations.trace import TerminalEvent, Trace
 from drivora_service.testing.feedback_contract import FeedbackContract
 
 
@@ -34,6 +40,17 @@ class TestBehavexplor(FeedbackContract):
     plugin = BEHAVEXPLOR
 
 
+class TestDecictor(FeedbackContract):
+    plugin = DECICTOR
+
+    def runs(self) -> tuple[Trace, ...]:
+        return (*super().runs(), *map(_compared, super().runs()))
+
+
+class TestDeepcollision(FeedbackContract):
+    plugin = DEEPCOLLISION
+
+
 class TestDoppelTest(FeedbackContract):
     plugin = DOPPELTEST
 
@@ -42,9 +59,24 @@ class TestSamota(FeedbackContract):
     plugin = SAMOTA
 
 
+class TestLawbreaker(FeedbackContract):
+    plugin = lawbreaker_feedback()
+
+
+class TestDriveFuzz(FeedbackContract):
+    plugin = DRIVEFUZZ
+
+
+def _compared(trace: Trace) -> Trace:
+    """Gives each ego of a run a path to compare with: 100 m east within 10 s."""
+    path = np.array([(0.0, 0.0, 0.0, 0.0, 10.0, 0.0), (10.0, 100.0, 0.0, 0.0, 10.0, 0.0)])
+    arrived = (TerminalEvent.ARRIVED,) * trace.ego_count
+    return replace(trace, references=(path,) * trace.ego_count, ego_ends=arrived)
+
+
 def test_every_built_in_feedback_is_under_contract() -> None:
     under_contract = {suite.plugin.name for suite in FeedbackContract.__subclasses__()}
-    assert {plugin.name for plugin in BUILT_IN} <= under_contract
+    assert {plugin.name for plugin in BUILT_IN} | {"lawbreaker"} <= under_contract
 
 
 @dataclass(kw_only=True)

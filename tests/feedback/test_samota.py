@@ -13,10 +13,11 @@ from drivora_service.feedback.catalogue import FeedbackCatalogue
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.feedback.samota import SamotaFeedback
 from drivora_service.observations.run_view import RunView
-from drivora_service.observations.trace import Col, Light, Role, TerminalEvent, Trace
+from drivora_service.observations.trace import Col, Contact, Light, Role, TerminalEvent, Trace
+from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.lane_keeping import LaneKeeping
 from drivora_service.oracles.red_light import RedLight
-from drivora_service.oracles.verdict import Outcome
+from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.testing.networks import EAST, WEST, straight_road
 from drivora_service.testing.oracle_contract import example_runs
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
@@ -74,11 +75,72 @@ def test_the_nearest_counts_even_if_its_centre_is_farther() -> None:
     assert measure(ego(), beside(6.8), long)["vehicle_distance"] == score(1.1, 10.0)
 
 
-def test_touching_is_the_violation() -> None:
-    assert measure(ego(), beside(1.7))["vehicle_distance"] == 0.0
-    almost = measure(ego(), beside(1.81))["vehicle_distance"]
+HIT = 62
+"""Step at which the ego's front reaches an actor that stands on its path."""
+
+
+@pytest.mark.parametrize(
+    ("role", "name"), [(Role.NPC_VEHICLE, "vehicle_distance"), (Role.NPC_OBSTACLE, DISTANCES[2])]
+)
+def test_hitting_by_its_fault_is_the_violation(role: Role, name: str) -> None:
+    runs_into = ego(end=TerminalEvent.COLLISION, end_step=HIT)
+    made = {"contacts": [Contact(step=HIT, ego=0, other=1)]}
+    assert measure(runs_into, beside(0.5, role), **made)[name] == 0.0
+    assert collision(runs_into, beside(0.5, role), **made).at_fault is True
+    almost = measure(ego(), beside(1.81, role))[name]
     assert almost is not None
     assert 0.0 < almost < 0.01
+
+
+def rear_ender(**fields: Any) -> SyntheticActor:
+    """A vehicle that comes from behind and hits the ego at step 50, at 2.5 s."""
+    return SyntheticActor(
+        motion=Motion.steady(-4.5 - 2.5 * 5.0, 0.0, steps=STEPS, speed=10.0), **fields
+    )
+
+
+def test_an_actor_that_hits_the_ego_by_its_own_fault_is_left_out() -> None:
+    hit = ego(end=TerminalEvent.COLLISION, end_step=50)
+    made = {"contacts": [Contact(step=50, ego=0, other=1)]}
+    assert collision(hit, rear_ender(), **made).at_fault is False
+    assert measure(hit, rear_ender(), **made)["vehicle_distance"] is None
+    other = SyntheticActor(id="other", motion=Motion.steady(12.5, 6.8, steps=STEPS))
+    alone = measure(hit, other)["vehicle_distance"]
+    assert measure(hit, rear_ender(), other, **made)["vehicle_distance"] == alone
+    # Without the hit it counts as any other.
+    assert measure(ego(end_step=40), rear_ender())["vehicle_distance"] == score(2.5, 10.0)
+
+
+def test_undetermined_fault_is_almost_a_violation() -> None:
+    """Both are beside the road: no rule decides."""
+    off: dict[str, Any] = {"lane": -1, "lane_lateral": np.nan, "lane_heading": np.nan}
+    motion = Motion.steady(0.0, 30.0, steps=STEPS, speed=5.0)
+    hit = ego(motion=motion, end=TerminalEvent.COLLISION, end_step=HIT, **off)
+    other = SyntheticActor(motion=Motion.steady(20.0 + 62 * 0.05, 30.5, steps=STEPS, speed=-1.0))
+    made = {"contacts": [Contact(step=HIT, ego=0, other=1)]}
+    assert collision(hit, other, **made).undetermined
+    assert measure(hit, other, **made)["vehicle_distance"] == score(0.01, 10.0)
+
+
+def test_of_two_egos_the_one_at_fault_covers_the_distance() -> None:
+    """The same collision is no violation of the ego that is hit."""
+    hit = ego(id="hit", end=TerminalEvent.COLLISION, end_step=50)
+    hitting = ego(
+        id="hitting",
+        motion=Motion.steady(-4.5 - 2.5 * 5.0, 0.0, steps=STEPS, speed=10.0),
+        end=TerminalEvent.COLLISION,
+        end_step=50,
+    )
+    contacts = [Contact(step=50, ego=0, other=1)]
+    assert measure(hit, hitting, contacts=contacts)["vehicle_distance"] == 0.0
+    trace = make_trace([hit, hitting], contacts=contacts)
+    one, other = Collision().judge(RunView(trace, ROAD))
+    assert (one.at_fault, other.at_fault) == (False, True)
+
+
+def collision(one: SyntheticEgo, *others: SyntheticActor, contacts: list[Contact]) -> Verdict:
+    (found,) = Collision().judge(RunView(make_trace([one], others, contacts=contacts), ROAD))
+    return found
 
 
 def test_farther_is_farther_however_far() -> None:

@@ -2,12 +2,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from drivora_service.observations.trace import Col, Contact, LogEvent, TerminalEvent, Trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_hash import egos_sha256, trace_sha256
 
 
 def test_equal_traces_have_equal_hashes(full_trace: Trace) -> None:
@@ -85,4 +86,47 @@ def test_every_physical_fact_matters(full_trace: Trace, name: str) -> None:
 
 
 def test_no_field_of_the_trace_was_forgotten() -> None:
-    assert {field.name for field in fields(Trace)} == {*CHANGES, "meta", "lane_ids", "plans"}
+    left_out = {"meta", "lane_ids", "plans", "references"}
+    assert {field.name for field in fields(Trace)} == {*CHANGES, *left_out}
+
+
+def moved(trace: Trace, row: int, step: int) -> Trace:
+    states = trace.states.copy()
+    states[step, row, Col.X] += 1e-9
+    return replace(trace, states=states)
+
+
+def test_the_hash_of_the_egos_is_theirs_alone(full_trace: Trace) -> None:
+    own = egos_sha256(full_trace)
+    egos = full_trace.ego_count
+    for row in range(egos, len(full_trace.actors)):
+        here = int(np.flatnonzero(full_trace.present[:, row])[0])
+        assert egos_sha256(moved(full_trace, row, here)) == own
+        assert trace_sha256(moved(full_trace, row, here)) != trace_sha256(full_trace)
+    for row in range(egos):
+        assert egos_sha256(moved(full_trace, row, 5)) != own
+
+
+def test_what_an_ego_does_after_its_end_does_not_matter(full_trace: Trace) -> None:
+    end = full_trace.ego_end_steps[0]
+    assert egos_sha256(moved(full_trace, 0, end + 1)) == egos_sha256(full_trace)
+    assert egos_sha256(moved(full_trace, 0, end)) != egos_sha256(full_trace)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"ego_ends": (TerminalEvent.STUCK, TerminalEvent.ARRIVED)},
+        {"ego_end_steps": (59, 79)},
+        {"ego_start_times": (0.5, 1.0)},
+        {"step_length": 0.1},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_how_an_ego_ends_and_begins_matters(full_trace: Trace, change: dict[str, Any]) -> None:
+    assert egos_sha256(replace(full_trace, **change)) != egos_sha256(full_trace)
+
+
+def test_other_scenarios_with_the_same_egos_have_the_same_hash(full_trace: Trace) -> None:
+    other = replace(full_trace, scenario_sha256="f" * 64, log_events=(), contacts=())
+    assert egos_sha256(other) == egos_sha256(full_trace)

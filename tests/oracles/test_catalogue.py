@@ -14,6 +14,7 @@ from drivora_service.observations.trace import Trace
 from drivora_service.oracles.built_in import default_oracles, judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.oracles.installed import InstalledOracle
+from drivora_service.oracles.laws.library import LawLibrary
 from drivora_service.oracles.verdict import Oracle, Outcome, Verdict
 from drivora_service.oracles.verdict_json import plain_verdict
 from drivora_service.testing.oracle_contract import OracleContract
@@ -23,6 +24,7 @@ from tests.oracles.installing import PACKAGE, install_oracles
 from tests.oracles.judging import ROAD, on_lane
 
 BUILT_IN = tuple(oracle.name for oracle in default_oracles())
+LAWS = LawLibrary().names()
 GARBAGE = {
     "nothing": "answered a NoneType; allowed: a tuple of Verdict",
     "list": "answered a list; allowed: a tuple",
@@ -58,8 +60,9 @@ class TestInstalledOracle(OracleContract):
 
 def test_without_packages_there_are_the_built_in_ones_in_their_order() -> None:
     catalogue = OracleCatalogue()
-    assert catalogue.names() == BUILT_IN
-    assert catalogue.oracles() == default_oracles()
+    assert catalogue.names() == (*BUILT_IN, *LAWS)
+    assert catalogue.oracles() == (*default_oracles(), *catalogue.laws())
+    assert tuple(law.name for law in catalogue.laws()) == LAWS
     assert catalogue.installed() == ()
     entry = catalogue.entry("off_road")
     assert (
@@ -82,9 +85,10 @@ def test_installed_oracles_judge_after_the_others_by_their_names(
 ) -> None:
     install_oracles(tmp_path, monkeypatch, "top_speed", "moody", "collision")
     catalogue = OracleCatalogue()
-    assert catalogue.names() == (*BUILT_IN, "moody", "top_speed")
+    assert catalogue.names() == (*BUILT_IN, *LAWS, "moody", "top_speed")
     verdicts = judge_all(fast_drive(), ROAD, catalogue.oracles())
-    assert verdicts[:-2] == judge_all(fast_drive(), ROAD, default_oracles())
+    own = (*default_oracles(), *catalogue.laws())
+    assert verdicts[:-2] == judge_all(fast_drive(), ROAD, own)
     assert [(v.oracle, v.outcome) for v in verdicts[-2:]] == [
         ("moody", Outcome.VIOLATED),
         ("top_speed", Outcome.VIOLATED),

@@ -12,6 +12,7 @@ from drivora_service.oracles.failure_to_yield import FailureToYield
 from drivora_service.oracles.lane_keeping import LaneKeeping
 from drivora_service.oracles.minimum_speed import MinimumSpeed
 from drivora_service.oracles.near_miss import NearMiss
+from drivora_service.oracles.non_optimal_decision import NonOptimalDecision
 from drivora_service.oracles.off_road import OffRoad
 from drivora_service.oracles.red_light import RedLight
 from drivora_service.oracles.route_deviation import RouteDeviation
@@ -51,6 +52,11 @@ class TestLaneKeeping(OracleContract):
 class TestRouteDeviation(OracleContract):
     def make_oracle(self) -> Oracle:
         return RouteDeviation()
+
+
+class TestNonOptimalDecision(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return NonOptimalDecision()
 
 
 class TestSpeeding(OracleContract):

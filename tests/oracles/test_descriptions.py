@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from drivora_service.feedback.catalogue import FeedbackCatalogue
-from drivora_service.feedback.descriptions import OBJECTIVES
+from drivora_service.feedback.descriptions import OBJECTIVES, law_objectives
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.metrics.built_in import all_measured
 from drivora_service.metrics.descriptions import METRICS
@@ -24,6 +24,7 @@ from drivora_service.oracles.descriptions import (
     ViolatedBy,
     described,
 )
+from drivora_service.oracles.laws.library import LawLibrary
 from drivora_service.testing.networks import straight_road
 from drivora_service.testing.traces import Motion, SyntheticEgo, make_trace
 
@@ -87,8 +88,26 @@ def test_every_objective_is_described() -> None:
     catalogue = FeedbackCatalogue()
     names = [
         (name, objective)
-        for name in ("general", "avfuzzer", "behavexplor", "doppeltest", "samota")
+        for name in (
+            "general",
+            "avfuzzer",
+            "behavexplor",
+            "samota",
+            "doppeltest",
+            "drivefuzz",
+            "deepcollision",
+            "decictor",
+        )
         for objective in catalogue.create(FeedbackChoice(name=name)).objectives
     ]
-    assert {name for name, _ in names} == set(catalogue.names())
+    assert {name for name, _ in names} | {"lawbreaker"} == set(catalogue.names())
     assert [(told.feedback, told.name) for told in OBJECTIVES] == names
+
+
+def test_every_way_to_violate_a_law_is_described() -> None:
+    library = LawLibrary()
+    told = law_objectives([library.law(name) for name in library.names()])
+    feedback = FeedbackCatalogue().create(FeedbackChoice(name="lawbreaker"))
+    assert tuple(one.name for one in told) == feedback.objectives
+    assert {one.feedback for one in told} == {"lawbreaker"}
+    assert all(one.definition.startswith("The negated robustness") for one in told)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -9,6 +10,7 @@ from matplotlib.image import imread
 
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.conditions import PATCHES_KEY
 from drivora_service.observations.trace import Role, Trace
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.oracles.violation_marks import marks_of
@@ -107,3 +109,22 @@ def test_marks_are_numbered_in_order_of_time(trace: Trace) -> None:
         (2, verdicts[0].time),
         (3, None),
     ]
+
+
+def test_slippery_patches_are_drawn_and_named(
+    trace: Trace, network: RoadNetwork, tmp_path: Path
+) -> None:
+    x, y, yaw = trace.states[100, 0, :3].tolist()
+    patch = {"id": "ice", "x": x, "y": y, "z": 0.0, "yaw": yaw, "length": 30.0, "width": 6.0}
+    icy = replace(trace, meta={**trace.meta, PATCHES_KEY: [{**patch, "friction": 0.15}]})
+    dry, wet = tmp_path / "dry.svg", tmp_path / "icy.svg"
+    draw_run(trace, network, [], dry)
+    draw_run(icy, network, [], wet)
+    draw_run(icy, network, [], again := tmp_path / "again.svg")
+    assert again.read_bytes() == wet.read_bytes()
+    fill = "fill: url(#h"
+    assert "slippery, friction 0.15" in wet.read_text()
+    # On the map and in the legend.
+    assert wet.read_text().count(fill) == 2
+    assert "slippery" not in dry.read_text()
+    assert fill not in dry.read_text()

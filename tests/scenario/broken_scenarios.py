@@ -71,6 +71,12 @@ def with_cone(scenario: Scenario, **changes: Any) -> Scenario:
     return replace(scenario, npc_obstacles=obstacles)
 
 
+def with_patch(scenario: Scenario, **changes: Any) -> Scenario:
+    where = scenario.ego_vehicles[0].route[0]
+    ice = model.FrictionPatch(id="ice", location=where, length=9.0, width=3.0, friction=0.1)
+    return replace(scenario, friction_patches=(replace(ice, **changes),))
+
+
 def with_walker(scenario: Scenario, **changes: Any) -> Scenario:
     where = scenario.ego_vehicles[0].route[0]
     walker = model.NpcWalker(id="walker", model="walker.pedestrian.0001", route=(where,))
@@ -100,6 +106,13 @@ CHANGES: dict[str, Change] = {
     ),
     "an ego twice": lambda s: replace(s, ego_vehicles=(*s.ego_vehicles, s.ego_vehicles[0])),
     "ids twice": lambda s: with_cone(with_parked(s, id="ego_0"), id="ego_0"),
+    "a patch": with_patch,
+    "a patch with an actor's id": lambda s: with_patch(s, id="ego_0"),
+    "a patch off the network": lambda s: with_patch(s, location=WIDE),
+    "a patch without friction": lambda s: with_patch(s, friction=0.0),
+    "a patch outside the region": lambda s: with_region(
+        with_patch(s, location=s.ego_vehicles[0].route[-1]), 1.0
+    ),
     "no ego": lambda s: replace(s, ego_vehicles=()),
     "65 egos": lambda s: replace(s, ego_vehicles=s.ego_vehicles[:1] * 65),
     "2001 waypoints": lambda s: with_route(s, lambda route: route[:1] * 2001),
@@ -152,4 +165,4 @@ CHANGES: dict[str, Change] = {
     ),
 }
 """What can be wrong with a scenario, and a few oddities that may be right."""
-HARMLESS = ("an angle of many turns", "beside the lanes", "the wrong way")
+HARMLESS = ("a patch", "an angle of many turns", "beside the lanes", "the wrong way")

@@ -11,6 +11,7 @@ angles = st.floats(-360, 360, allow_nan=False)
 speeds = st.floats(0, 10, allow_nan=False)
 percentages = st.floats(0, 100, allow_nan=False)
 times = st.floats(0, 100, allow_nan=False)
+accelerations = st.floats(0.5, 12, allow_nan=False)
 texts = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=8)
 json_values = st.recursive(
     st.none()
@@ -31,6 +32,10 @@ def optional(**keys: st.SearchStrategy[Any]) -> dict[str, st.SearchStrategy[Any]
 waypoints = st.fixed_dictionaries(
     {"x": coordinates, "y": coordinates}, optional=optional(z=angles, yaw=angles, speed=speeds)
 )
+npc_waypoints = st.fixed_dictionaries(
+    {"x": coordinates, "y": coordinates},
+    optional=optional(z=angles, yaw=angles, speed=speeds, wait=times),
+)
 locations = st.fixed_dictionaries(
     {"x": coordinates, "y": coordinates}, optional=optional(z=angles, yaw=angles)
 )
@@ -49,9 +54,24 @@ light_times = st.fixed_dictionaries(
 )
 
 
-def routes(fewest: int) -> st.SearchStrategy[list[dict[str, Any]]]:
+@st.composite
+def _paths(draw: st.DrawFn) -> list[dict[str, float]]:
+    moments = sorted(draw(st.sets(times, min_size=2, max_size=4)))
+    pose = st.fixed_dictionaries(
+        {"x": coordinates, "y": coordinates, "yaw": angles, "speed": speeds},
+        optional=optional(z=angles),
+    )
+    return [{"time": moment, **draw(pose)} for moment in moments]
+
+
+reference_paths: st.SearchStrategy[list[dict[str, float]]] = st.just([]) | _paths()
+
+
+def routes(
+    fewest: int, places: st.SearchStrategy[dict[str, Any]] = waypoints
+) -> st.SearchStrategy[list[dict[str, Any]]]:
     """Lists of waypoints."""
-    return st.lists(waypoints, min_size=fewest, max_size=4)
+    return st.lists(places, min_size=fewest, max_size=4)
 
 
 @st.composite
@@ -67,21 +87,36 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
             "model": st.sampled_from(["vehicle.audi.tt", "mkz2017", "lincoln.mkz_2020"]),
             "route": routes(2),
         },
-        optional=optional(start_time=times, initial_speed=speeds, agent=agents),
+        optional=optional(
+            start_time=times, initial_speed=speeds, agent=agents, reference_path=reference_paths
+        ),
     )
     vehicles = st.fixed_dictionaries(
-        {"model": st.just("tesla.model3"), "route": routes(1)},
+        {"model": st.just("tesla.model3"), "route": routes(1, npc_waypoints)},
         optional=optional(
-            start_time=times, behavior=st.sampled_from(["replay", "reactive", "sumo"])
+            start_time=times,
+            behavior=st.sampled_from(["replay", "reactive", "sumo"]),
+            at_end=st.sampled_from(["leave", "stay"]),
+            deceleration=accelerations,
+            lateral_acceleration=accelerations,
+            joins=st.booleans(),
         ),
     )
     walkers = st.fixed_dictionaries(
         {"model": st.just("walker.pedestrian.0001"), "route": routes(1)},
-        optional=optional(start_time=times),
+        optional=optional(start_time=times, joins=st.booleans()),
     )
     obstacles = st.fixed_dictionaries(
         {"model": st.just("static.prop.trafficcone01"), "location": locations},
         optional=optional(length=st.floats(0.1, 10), width=st.floats(0.1, 10), start_time=times),
+    )
+    patches = st.fixed_dictionaries(
+        {
+            "location": locations,
+            "length": st.floats(0.5, 50),
+            "width": st.floats(0.5, 50),
+            "friction": st.floats(0.02, 1),
+        }
     )
     weather = st.fixed_dictionaries(
         {},
@@ -99,6 +134,11 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
                 version=st.just("1.0"),
                 frame=st.sampled_from(["sumo", "carla"]),
                 weather=weather,
+                weather_changes=st.lists(
+                    st.fixed_dictionaries({"time": times, "weather": weather}),
+                    max_size=3,
+                    unique_by=lambda change: change["time"],
+                ).map(lambda changes: sorted(changes, key=lambda change: change["time"])),
                 traffic_lights=light_times,
                 background_traffic=st.fixed_dictionaries(
                     {"count": st.integers(0, 20)}, optional=optional(start_time=times)
@@ -116,6 +156,7 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
     content["npc_vehicles"] = [named(npc) for npc in draw(st.lists(vehicles, max_size=2))]
     content["npc_walkers"] = [named(npc) for npc in draw(st.lists(walkers, max_size=2))]
     content["npc_obstacles"] = [named(npc) for npc in draw(st.lists(obstacles, max_size=2))]
+    content["friction_patches"] = [named(one) for one in draw(st.lists(patches, max_size=2))]
     return content
 
 

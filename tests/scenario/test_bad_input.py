@@ -61,6 +61,8 @@ NPC = {"id": "npc", "model": "audi.tt", "route": [{"x": 60.0, "y": 290.0}]}
 WALKER = {"id": "walker", "model": "0001", "route": [{"x": 60.0, "y": 160.0}]}
 CONE = {"id": "cone", "model": "trafficcone01", "location": {"x": 60.0, "y": 160.0}}
 
+ICE = {"id": "ice", "location": {"x": 60, "y": 153}, "length": 9, "width": 3, "friction": 0.1}
+
 BROKEN: dict[str, tuple[Change, str]] = {
     "empty text": (lambda _: "", ""),
     "no JSON": (text(lambda t: t[:-1]), ""),
@@ -141,6 +143,34 @@ BROKEN: dict[str, tuple[Change, str]] = {
     "obstacle of a kilometre": (
         put("npc_obstacles", value=[{**CONE, "length": 1000.0}]),
         "/npc_obstacles/0/length",
+    ),
+    "frictionless patch": (
+        put("friction_patches", value=[{**ICE, "friction": 0.0}]),
+        "/friction_patches/0/friction",
+    ),
+    "patch of a kilometre": (
+        put("friction_patches", value=[{**ICE, "length": 1000.0}]),
+        "/friction_patches/0/length",
+    ),
+    "patch without a width": (
+        put("friction_patches", value=[{k: v for k, v in ICE.items() if k != "width"}]),
+        "/friction_patches/0/width",
+    ),
+    "101 patches": (
+        put("friction_patches", value=[{**ICE, "id": f"ice_{n}"} for n in range(101)]),
+        "/friction_patches",
+    ),
+    "patch with an actor's id": (
+        put("friction_patches", value=[{**ICE, "id": "ego_0"}]),
+        "/friction_patches/0/id",
+    ),
+    "patch beside the road": (
+        put("friction_patches", value=[{**ICE, "location": {"x": 60.0, "y": 175.0}}]),
+        "/friction_patches/0/location",
+    ),
+    "patch off the map": (
+        put("friction_patches", value=[{**ICE, "location": {"x": 9e5, "y": 0.0}}]),
+        "/friction_patches/0/location",
     ),
     "rain of 200 %": (put("weather", value={"precipitation": 200}), "/weather/precipitation"),
     "light of no time": (

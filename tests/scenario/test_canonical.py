@@ -30,6 +30,10 @@ PLAIN = model.Scenario(
     extensions={"b:é": [1, 1.0, {"z": None, "a": True}], "a:x": '\u2028\U0001f600"\\'},
 )
 
+ICE = model.FrictionPatch(
+    id="ice", location=model.Waypoint(x=60.0, y=153.0), length=9.0, width=3.0, friction=0.1
+)
+
 
 @given(content=documents())
 def test_there_and_back_is_identical(networks: NetworkCatalogue, content: dict[str, Any]) -> None:
@@ -51,6 +55,22 @@ def test_spelling_does_not_matter(networks: NetworkCatalogue, content: dict[str,
     assert scenario_sha256(one) == scenario_sha256(other)
 
 
+def test_later_fields_leave_the_identity_of_older_scenarios() -> None:
+    """The hash is that which scenarios had before actors could join and weather change."""
+    walker = model.NpcWalker(id="w", model="walker.pedestrian.0001", route=())
+    scenario = dataclasses.replace(PLAIN, npc_walkers=(walker,))
+    text = canonical_json(scenario)
+    assert "joins" not in text
+    assert "weather_changes" not in text
+    joined = dataclasses.replace(
+        scenario,
+        npc_walkers=(dataclasses.replace(walker, joins=True),),
+        weather_changes=(model.WeatherChange(time=1.0, weather=model.Weather()),),
+    )
+    assert from_canonical(canonical_json(joined)) == joined
+    assert len({scenario_sha256(one) for one in (PLAIN, scenario, joined)}) == 3
+
+
 def test_names_and_numbers_are_normal(networks: NetworkCatalogue, good: dict[str, Any]) -> None:
     network = networks.get("tee-town")
     first = to_scenario(parse_document(good), network)
@@ -67,9 +87,23 @@ def test_any_change_changes_the_hash(networks: NetworkCatalogue, good: dict[str,
         scenario_sha256(dataclasses.replace(scenario, seed=1)),
         scenario_sha256(dataclasses.replace(scenario, weather=model.Weather(wetness=1e-9))),
         scenario_sha256(dataclasses.replace(scenario, max_sim_time=10.0)),
+        scenario_sha256(dataclasses.replace(scenario, friction_patches=(ICE,))),
+        scenario_sha256(
+            dataclasses.replace(
+                scenario, friction_patches=(dataclasses.replace(ICE, friction=0.3),)
+            )
+        ),
         scenario_sha256(dataclasses.replace(scenario, extensions={"a:b": 1})),
     }
-    assert len(hashes) == 5
+    assert len(hashes) == 7
+
+
+def test_scenarios_without_patches_keep_their_text() -> None:
+    assert "friction_patches" not in canonical_json(PLAIN)
+    # As it was before the document had patches.
+    assert (
+        scenario_sha256(PLAIN) == "cc3d6b3b94730aa103618f7c555e221999775f39f8ee5aa0a7c4c2fd5076f5f2"
+    )
 
 
 @given(content=documents(), extension=json_values)

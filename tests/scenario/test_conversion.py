@@ -42,6 +42,18 @@ def test_carla_is_mirrored_and_moved(networks: NetworkCatalogue, good: dict[str,
     )
 
 
+def test_patches_are_mirrored_and_moved(networks: NetworkCatalogue, good: dict[str, Any]) -> None:
+    good["frame"] = "carla"
+    good["friction_patches"] = [
+        {"id": "ice", "location": {"x": 10.0, "y": 20.0, "yaw": 30.0, "z": 4.0},
+         "length": 12, "width": 3, "friction": 0.2}
+    ]  # fmt: skip
+    (patch,) = convert(networks, good, (100.0, 200.0)).friction_patches
+    place = patch.location
+    assert (place.x, place.y, place.yaw) == pytest.approx((110.0, 180.0, -math.pi / 6))
+    assert (patch.length, patch.width, patch.friction, place.z) == (12.0, 3.0, 0.2, 4.0)
+
+
 def test_full_model_names(networks: NetworkCatalogue, good: dict[str, Any]) -> None:
     good["ego_vehicles"][0]["model"] = "lincoln.mkz2017"
     good["npc_obstacles"] = [{"id": "cone", "model": "trafficcone01", "location": {"x": 1, "y": 2}}]

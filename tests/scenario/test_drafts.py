@@ -13,7 +13,7 @@ from hypothesis import given
 
 from drivora_service.errors import InvalidDocument
 from drivora_service.networks.catalogue import NetworkCatalogue
-from drivora_service.scenario.problems import ACTOR_LISTS
+from drivora_service.scenario.problems import NAMED_LISTS
 from drivora_service.scenario.validation import ValidScenario, validate_data
 from tests.scenario.conftest import GOOD
 from tests.scenario.strategies import documents, garbled
@@ -35,19 +35,21 @@ NEEDS_FRAME = {
     "walker off the map",
     "start is the destination",
     "overlapping starts",
+    "patch beside the road",
+    "patch off the map",
 }
 """Mistakes that show only where the places are known in the network's plane."""
 NEEDS_TOWN = NEEDS_FRAME | {"unknown light"}
-NEEDS_FIRST_EGO = {"same id twice", "overlapping starts"}
+NEEDS_FIRST_EGO = {"same id twice", "overlapping starts", "patch with an actor's id"}
 """Mistakes that are ones beside the first ego, which is well-formed."""
 ALONE = {"start outside the region"}
 """Mistakes that concern all actors."""
 LISTED = {
     name: pointer.split("/")[1]
     for name, (_, pointer) in BROKEN.items()
-    if pointer.startswith(tuple(f"/{actors}/" for actors in ACTOR_LISTS)) and name not in ALONE
+    if pointer.startswith(tuple(f"/{actors}/" for actors in NAMED_LISTS)) and name not in ALONE
 }
-"""The list of the actor that each mistake of an actor is made in."""
+"""The list of the actor or patch that each mistake of one is made in."""
 ELSEWHERE = {
     name: pointer.split("/")[1]
     for name, (_, pointer) in BROKEN.items()

@@ -20,6 +20,12 @@ from tests.fuzzing.harness import check_refusal
 from tests.scenario.conftest import AGENTS, GOOD
 from tests.scenario.strategies import documents, garbled, json_values, texts
 
+_PATCH = {
+    "location": {"x": 50.0, "y": 153.0, "yaw": 7.5},
+    "length": 12.5,
+    "width": 3.0,
+    "friction": 0.2,
+}
 _NPC = {"model": "audi.tt", "route": [{"x": 60.0, "y": 152.7}, {"x": 30.0, "y": 153.2}]}
 
 
@@ -34,6 +40,7 @@ def drivable(draw: st.DrawFn) -> dict[str, Any]:
         "npc_vehicles": [{**_NPC, "id": "npc"}] * draw(st.integers(0, 1)),
         "npc_walkers": [],
         "npc_obstacles": [],
+        "friction_patches": [{**_PATCH, "id": "ice"}] * draw(st.integers(0, 1)),
     }
     # What is drawn is changed by tests, and shares nothing with what is drawn next.
     return copy.deepcopy(content)

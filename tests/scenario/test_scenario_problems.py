@@ -144,6 +144,8 @@ def test_every_number_of_a_scenario_has_bounds(value: object) -> None:
         if place[-1] == "yaw" and value not in ODD_NUMBERS[:3]:
             # Any angle has degrees within a full turn.
             continue
+        if place[-1] == "joins" and value is True:
+            continue
         broken = with_value(scenario, place, value)
         problems = scenario_problems(broken, NETWORKS, ("idm",))
         assert [p for p in problems if p.code not in ("overlapping_start", "unknown_traffic_light")]

@@ -42,6 +42,9 @@ BEYOND_THE_SCHEMA = frozenset(
         "infinity",
         # What relates one place to another, to the network or to a catalogue.
         "same id twice",
+        "patch with an actor's id",
+        "patch beside the road",
+        "patch off the map",
         "agent and config_path",
         "count and density",
         "empty region",

@@ -38,6 +38,25 @@ def test_a_good_document_passes(valid: Any, good: dict[str, Any], network: RoadN
     ]
 
 
+def test_changes_of_the_weather_come_in_the_order_of_their_times(
+    valid: Any, refused: Any, good: dict[str, Any]
+) -> None:
+    rain: dict[str, Any] = {"weather": {"precipitation": 50.0}}
+    good["weather_changes"] = [{"time": 1.0, **rain}, {"time": 2.5, **rain}]
+    first, last = valid(good).scenario.weather_changes
+    assert (first.time, last.time, last.weather.precipitation) == (1.0, 2.5, 50.0)
+    good["weather_changes"] += [{"time": 2.5, **rain}, {"time": 0.0, **rain}]
+    problems = refused(good)
+    assert places_of(problems) == [
+        ("/weather_changes/2/time", "wrong_order"),
+        ("/weather_changes/3/time", "wrong_order"),
+    ]
+    good["weather_changes"] = [{"time": -1.0, **rain}, {"time": 1.0}]
+    assert [problem.pointer for problem in refused(good)] == [
+        "/weather_changes/0/time", "/weather_changes/1/weather",
+    ]  # fmt: skip
+
+
 def test_unknown_town_says_how_to_import_it(refused: Any, good: dict[str, Any]) -> None:
     good["map_region"]["town"] = "Town12"
     good["ego_vehicles"][0]["model"] = "vehicle.none"

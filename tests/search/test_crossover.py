@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivora_service.geometry.arrays import FloatArray
-from drivora_service.search.crossover import exchange_block
+from drivora_service.search.crossover import exchange_block, one_point
 from drivora_service.testing.gene_spaces import small_space
 
 SPACE = small_space()
@@ -59,3 +59,31 @@ def test_only_an_actor_in_which_parents_differ_is_exchanged() -> None:
     for _ in range(20):
         one, _ = exchange_block(first, second, SPACE, random)
         assert exchanged_blocks(one, first) == [SPACE.blocks[-1].name]
+
+
+@given(SEEDS)
+def test_one_point_exchanges_all_genes_after_a_point(seed: int) -> None:
+    first, second, random = parents(seed)
+    kept = first.copy(), second.copy()
+    one, other = one_point(first, second, SPACE, random)
+    point = int(np.argmax(one != first))
+    assert point > 0
+    assert np.array_equal(one, np.concatenate((first[:point], second[point:])))
+    assert np.array_equal(other, np.concatenate((second[:point], first[point:])))
+    assert np.array_equal(first, kept[0])
+    assert np.array_equal(second, kept[1])
+    # Each child has genes of both.
+    for child in (one, other):
+        assert not np.array_equal(child, first)
+        assert not np.array_equal(child, second)
+        assert SPACE.within(child)
+
+
+def test_one_point_leaves_parents_that_differ_in_one_gene() -> None:
+    first, _, random = parents(0)
+    second = first.copy()
+    gene = int(np.flatnonzero(SPACE.varies)[0])
+    second[gene] = SPACE.lows[gene] if first[gene] != SPACE.lows[gene] else SPACE.highs[gene]
+    one, other = one_point(first, second, SPACE, random)
+    assert np.array_equal(one, first)
+    assert np.array_equal(other, second)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivora_service.observations.ground import NO_PATCHES
 from drivora_service.scenario.actor_models import ActorKind, ActorModel
 from drivora_service.simulation.arrays import vehicle_limits
 from drivora_service.simulation.dynamics import GRAVITY, Body, CommandMode, drive_vehicles
@@ -39,6 +40,7 @@ def drive(
     mode: CommandMode = CommandMode.DRIVE,
     dt: float = DT,
     wind: tuple[float, float] = (0.0, 0.0),
+    patches: np.ndarray = NO_PATCHES,
 ) -> np.ndarray:
     """Returns the (steps + 1, 10) bodies of one car under a constant command."""
     bodies = np.zeros((1, len(Body)))
@@ -49,7 +51,7 @@ def drive(
     seen = [bodies[0].copy()]
     for _ in range(steps):
         drive_vehicles(
-            bodies, limits, np.array([int(mode)]), commands, friction, np.array(wind), dt
+            bodies, limits, np.array([int(mode)]), commands, friction, patches, np.array(wind), dt
         )
         seen.append(bodies[0].copy())
     return np.array(seen)

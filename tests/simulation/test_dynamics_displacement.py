@@ -13,6 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from drivora_service.agents.interface import AccelerationControl
+from drivora_service.observations.ground import NO_PATCHES
 from drivora_service.observations.trace import Col
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
 from drivora_service.scenario.model import VehicleDynamics, Weather
@@ -38,6 +39,7 @@ def move(
     dynamic: bool = False,
     wind: tuple[float, float] = (0.0, 0.0),
     model: ActorModel = CAR,
+    patches: NDArray[np.float64] = NO_PATCHES,
 ) -> NDArray[np.float64]:
     """Returns the (n, 10) bodies of a vehicle that begins at the origin, heading east."""
     bodies = np.zeros((1, len(Body)))
@@ -48,7 +50,7 @@ def move(
     for seconds, acceleration, steer in script:
         command = np.array([[acceleration, steer, 0.0, 0.0]])
         for _ in range(round(seconds / dt)):
-            drive_vehicles(bodies, limits, modes, command, friction, np.array(wind), dt)
+            drive_vehicles(bodies, limits, modes, command, friction, patches, np.array(wind), dt)
             seen.append(bodies[0].copy())
     return np.array(seen)
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drivora_service.geometry.lines import arc_lengths
+from drivora_service.observations.ground import NO_PATCHES
 from drivora_service.observations.trace import Role
 from drivora_service.scenario.actor_models import ActorKind, ActorModel
 from drivora_service.simulation.arrays import lay_followers
@@ -36,7 +37,7 @@ def plan(
     )
     return FollowerPlan(
         id="npc", role=Role.NPC_VEHICLE, model=CAR, path=path, edges=("e",), on_lanes=True,
-        first_speed=speeds[0], start_time=start_time, reacts=reacts, stays=stays,
+        first_speed=speeds[0], start_time=start_time, reacts=reacts, stays=stays, is_fixed=False,
     )  # fmt: skip
 
 
@@ -58,8 +59,8 @@ def follow(
             present[k, len(plans) + i] = True
         before = max(k - 1, 0)
         advance_followers(
-            (k - 1) * DT, DT, friction, f.places, f.path, f.state, states[before], sizes,
-            present[before], states[k], present[k],
+            (k - 1) * DT, DT, friction, NO_PATCHES, f.places, f.path, f.state, states[before],
+            sizes, present[before], states[k], present[k],
         )  # fmt: skip
     return states, present
 

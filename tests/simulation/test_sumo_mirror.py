@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import libsumo
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.observations.trace import Col, TerminalEvent, Trace
-from drivora_service.scenario.model import BackgroundTraffic, Scenario
+from drivora_service.scenario.model import BackgroundTraffic, RouteEnd, Scenario
 from drivora_service.simulation.episode import Episode
 from tests.simulation.episodes import (
     ROAD,
@@ -171,3 +171,33 @@ def test_sumo_holds_every_kind_of_actor_where_the_trace_has_it() -> None:
         seconds=45.0,
     )  # fmt: skip
     check(*mirrored(what))
+
+
+def test_a_vehicle_that_brakes_hard_stands_and_stays_does_so_in_sumo() -> None:
+    middle = replace(place(ROAD, 60, speed=14.0), wait=2.0)
+    npc = car(
+        place(ROAD, 5, speed=14.0), middle, place(ROAD, 115, speed=14.0),
+        at_end=RouteEnd.STAY, deceleration=12.0,
+    )  # fmt: skip
+    trace, seen = mirrored(scenario(WITNESS, npc_vehicles=(npc,), seconds=25.0), standing())
+    check(trace, seen, ["npc"])
+    places = np.array([frame["npc"] for frame in seen.frames if "npc" in frame])
+    speed = np.hypot(*np.diff(places, axis=0).T) / 0.05
+    braking = (speed[:-2] - speed[2:]) / 0.1
+    # Its model's braking, and no more, up to SUMO's matching of places to lanes.
+    assert 8.0 < braking.max() < 9.0
+    assert np.count_nonzero(speed < 1e-3) > 40
+    assert (speed[-100:] < 1e-3).all()
+
+
+def test_sumos_drivers_stop_behind_a_vehicle_that_stays_at_its_end() -> None:
+    stays = car(place(ROAD, 40, speed=10.0), place(ROAD, 90, speed=10.0), at_end=RouteEnd.STAY)
+    driven = car(place(ROAD, 10), place(ROAD, 120), name="driven", behavior="sumo", start_time=4.0)
+    trace, seen = mirrored(
+        scenario(WITNESS, npc_vehicles=(stays, driven), seconds=30.0), standing()
+    )
+    check(trace, seen, ["npc", "driven"])
+    end = [track(trace, name)[-1] for name in ("npc", "driven")]
+    gap = float(np.hypot(*(end[0] - end[1]))) - 4.9
+    assert 0.5 < gap < 6.0
+    assert speeds(trace, "driven")[-1] < 0.1

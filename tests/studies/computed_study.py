@@ -16,7 +16,7 @@ from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.reading import read_campaign
 from drivora_service.campaigns.stored import new_campaign, run_stored
 from drivora_service.feedback.measurement import Measurement
-from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.verdict import Answer, Outcome, Verdict
 from drivora_service.runs.report import RunReport, RunSpec, RunStatus
 from drivora_service.store.campaign_records import CampaignRecord
 from drivora_service.store.database import Database, open_database
@@ -24,20 +24,26 @@ from tests.campaigns.analytic import Computed
 
 
 def perform(spec: RunSpec) -> RunReport:
-    """Computes a run: it fails where the first NPC vehicle starts fast, and at that place."""
+    """Computes a run: it fails where the first NPC vehicle starts fast, and at that place.
+
+    Where it starts a little slower, the ego is hit by another's fault.
+    """
     scenario = json.loads(spec.document)
     start = scenario["npc_vehicles"][0]["route"][0]
     violated = start["speed"] > 10.0
+    is_hit = 8.0 < start["speed"] <= 10.0
     verdict = Verdict(
         oracle="collision",
         ego="ego",
-        outcome=Outcome.VIOLATED if violated else Outcome.PASSED,
+        outcome=Outcome.VIOLATED if violated or is_hit else Outcome.PASSED,
         message="",
         at_fault=violated,
+        avoidable=tuple(Answer)[int(start["x"]) % 3] if violated else None,
         time=start["speed"] if violated else None,
         step=1 if violated else None,
         location=(start["x"], start["y"]) if violated else None,
         counterpart="vehicle_0" if violated else "",
+        evidence={"ego_speed": start["speed"]},
     )
     gap = 20.0 - float(start["speed"])
     return RunReport(

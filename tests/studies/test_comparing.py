@@ -6,9 +6,11 @@ import csv
 import json
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from drivora_service.campaigns.catalogues import Catalogues
@@ -17,11 +19,13 @@ from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.errors import CampaignError, UnknownName
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.store.campaign_records import CampaignRecord, Confirmation
+from drivora_service.studies.accountable_counts import accountable_rows
+from drivora_service.studies.campaign_report import read_report
 from drivora_service.studies.choosing import choose_campaigns
 from drivora_service.studies.comparing import compare_stored
 from drivora_service.studies.comparison import MEASURES, measure
 from drivora_service.studies.comparison_files import write_comparison
-from drivora_service.studies.comparison_text import comparison_markdown
+from drivora_service.studies.comparison_text import comparison_markdown, methods_of
 from tests.studies.computed_study import Study, campaign_content, opened
 
 METHODS: dict[str, dict[str, Any]] = {
@@ -73,8 +77,10 @@ def test_campaigns_are_counted_and_compared(
         assert figures.network_coverage is not None
         assert 0.0 < figures.network_coverage < 1.0
         assert 0.0 < figures.gene_coverage < 1.0
-    # Two methods against the baseline; seconds to the first failure, too: all found one.
-    assert len(comparison.differences) == 2 * len(MEASURES)
+        assert figures.law_coverage is None, "no law judged these runs"
+    # Two methods against the baseline; seconds to the first failure, too: all found one. Random
+    # has no mutants, and laws were not judged.
+    assert len(comparison.differences) == 2 * (len(MEASURES) - 2)
     assert comparison.budgets == {"tee-town": 14}
     assert {figures.budget for figures in comparison.campaigns} == {14}
     assert comparison.time_limits_s == {}
@@ -109,7 +115,36 @@ def test_at_equal_time_the_shortest_campaign_says_how_long(
     assert "first_failure" not in names
 
 
-def test_groups_of_failures_are_made_of_all_campaigns_together() -> None:
+def test_the_figures_of_a_campaign_do_not_depend_on_the_others(
+    study: Study, records: tuple[CampaignRecord, ...]
+) -> None:
+    whole = compare_stored(study.database, records, study.catalogues)
+    alone = {figures.campaign: figures for figures in whole.campaigns}
+    by_method = [records[start : start + 3] for start in (0, 3, 6)]
+    random = np.random.default_rng(3)
+    for _ in range(8):
+        methods = [0, *random.permutation([1, 2])[: random.integers(1, 3)].tolist()]
+        chosen = [
+            by_method[method][repetition]
+            for method in methods
+            for repetition in random.permutation(3)[: random.integers(2, 4)].tolist()
+        ]
+        some = compare_stored(study.database, chosen, study.catalogues)
+        assert len(some.campaigns) == len(chosen)
+        for figures in some.campaigns:
+            # Names tell methods apart, and differ with what there is to tell apart.
+            own = alone[figures.campaign]
+            assert replace(figures, method=own.method, scenario=own.scenario) == own
+    # And the report of a campaign, which compares with nothing, counts the same.
+    for record in records:
+        report = read_report(study.database, record.id, study.catalogues)
+        assert report.figures is not None
+        own = alone[record.id]
+        named = replace(report.figures, method=own.method, scenario=own.scenario)
+        assert replace(named, groups=own.groups) == own
+
+
+def test_groups_are_made_of_the_failures_of_one_campaign() -> None:
     def at(*places: float) -> list[Verdict]:
         return [
             Verdict(
@@ -123,9 +158,26 @@ def test_groups_of_failures_are_made_of_all_campaigns_together() -> None:
         ]
 
     grouping = Grouping()
-    assert grouping.count_each([at(0.0, 1.0)]) == (2,)
-    # On the scale of both samples a metre is little.
-    assert grouping.count_each([at(0.0, 1.0), [], at(0.0, 100.0)]) == (1, 0, 2)
+    assert grouping.count([]) == 0
+    assert grouping.count(at(0.0, 1.0)) == 2
+    # On the scale of these a metre is little.
+    assert grouping.count(at(0.0, 1.0, 100.0)) == 2
+
+
+def test_what_counts_and_what_does_not_are_told_apart(
+    study: Study, records: tuple[CampaignRecord, ...]
+) -> None:
+    comparison = compare_stored(study.database, records, study.catalogues)
+    rows = accountable_rows(comparison.campaigns)
+    methods = methods_of(comparison.campaigns)
+    assert [row[:2] for row in rows] == [("tee-town", method) for method in methods]
+    assert [int(row[2]) for row in rows] == [3 * 14] * 3
+    for row, start in zip(rows, (0, 3, 6), strict=True):
+        own = comparison.campaigns[start : start + 3]
+        assert int(row[3]) == sum(f.avoidable for f in own)
+        assert int(row[-1]) == sum(f.not_at_fault for f in own)
+    text = comparison_markdown(comparison)
+    assert f"| {' | '.join(rows[0])} |" in text
 
 
 def test_campaigns_of_another_version_are_refused(
@@ -162,7 +214,9 @@ def test_files_say_what_the_comparison_says(
     assert figures[0]["found"].split() == [str(n) for n in comparison.campaigns[0].found]
     text = comparison_markdown(comparison)
     assert text in (tmp_path / "out" / "comparison.md").read_text()
-    assert text.count("| tee-town |") == len(comparison.differences) == 4
+    assert len(comparison.differences) == 4
+    # And a row a method of what the simulations came to.
+    assert text.count("| tee-town |") == 4 + 3
     again = write_comparison(comparison, tmp_path / "again")
     assert [p.read_bytes() for p in again] == [p.read_bytes() for p in files]
 

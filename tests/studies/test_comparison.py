@@ -24,14 +24,21 @@ def figures(method: str, seed: int, at_fault: int, scenario: str = "s") -> Campa
         failing=at_fault,
         at_fault=at_fault,
         avoidable=at_fault // 2,
+        not_measurable=0,
         unavoidable=at_fault - at_fault // 2,
         undetermined=0,
+        not_judged=0,
+        not_at_fault=0,
         kinds=min(at_fault, 3),
+        avoidable_kinds=min(at_fault // 2, 3),
         oracles=1,
         groups=None,
-        situations=None,
+        situations=at_fault,
+        avoidable_situations=at_fault // 2,
         first_failure=10 if at_fault else None,
+        first_avoidable=20 if at_fault > 1 else None,
         found=(),
+        found_avoidable=(),
         gene_coverage=0.5,
         simulation_s=10.0,
         own_s=1.0,
@@ -74,6 +81,23 @@ def test_fewer_simulations_to_the_first_failure_are_better() -> None:
     assert row.baseline_median == 101.0
 
 
+def test_the_first_failure_and_the_first_that_counts_are_measures_of_their_own() -> None:
+    found = [
+        replace(f, first_failure=1, first_avoidable=50 + f.seed, budget=120)
+        for f in study(6)
+        if f.method == "random"
+    ]
+    other = [
+        replace(f, first_failure=2, first_avoidable=None, budget=120)
+        for f in study(6)
+        if f.method == "avfuzzer"
+    ]
+    names = ("first_failure", "first_avoidable")
+    all_, target = compare_campaigns(found + other, "random", [measure(name) for name in names])
+    assert (all_.median, all_.baseline_median) == (2.0, 1.0)
+    assert (target.median, target.baseline_median) == (121.0, 59.5)
+
+
 def test_a_tester_that_ends_early_without_a_failure_did_not_find_one_early() -> None:
     found = [replace(f, first_failure=60 + f.seed) for f in study(6) if f.method == "random"]
     ended = [
@@ -96,13 +120,19 @@ def test_p_is_corrected_for_all_rows_of_a_measure() -> None:
 
 
 def test_a_measure_that_some_do_not_have_gives_no_row() -> None:
-    assert compare_campaigns(study(2), "random", [measure("groups")]) == ()
+    assert compare_campaigns(study(2), "random", [measure("network_coverage")]) == ()
 
 
 def test_every_measure_can_be_compared() -> None:
     known = [
         replace(
-            f, groups=1, situations=1, network_coverage=0.3, first_failure=3, first_failure_s=1.0
+            f,
+            network_coverage=0.3,
+            law_coverage=0.2,
+            first_failure=3,
+            first_failure_s=1.0,
+            first_avoidable_s=2.0,
+            unchanged_share=0.5,
         )
         for f in study(2)
     ]

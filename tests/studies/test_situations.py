@@ -1,3 +1,5 @@
+"""Situations: discrete keys of failures, which depend on nothing but the failure."""
+
 from __future__ import annotations
 
 import numpy as np
@@ -6,61 +8,74 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.studies.situations import RADIUS, count_situations, nearest_centres
+from drivora_service.studies.situations import count_situations, situation_of
 
 
-def violation(x: float, *, oracle: str = "collision", time: float = 0.0) -> Verdict:
+def violation(
+    x: float | None = 0.0, y: float = 0.0, *, oracle: str = "collision", **evidence: object
+) -> Verdict:
     return Verdict(
-        oracle=oracle, ego="ego_0", outcome=Outcome.VIOLATED, message="", at_fault=True, time=time,
-        location=(x, 0.0),
-    )  # fmt: skip
+        oracle=oracle,
+        ego="ego_0",
+        outcome=Outcome.VIOLATED,
+        message="",
+        at_fault=True,
+        time=1.0,
+        location=None if x is None else (x, y),
+        evidence=evidence,
+    )
 
 
-def test_alike_violations_are_one_situation_and_others_are_not() -> None:
-    near, far = [violation(x) for x in (0.0, 1.0, 2.0)], [violation(x) for x in (99.0, 100.0)]
-    assert count_situations([near, far, near + far, []]) == (1, 1, 2, 0)
+def count(*violations: Verdict) -> int:
+    return count_situations([(one.oracle, one) for one in violations])
 
 
-def test_another_oracle_is_another_situation() -> None:
-    assert count_situations([[violation(0.0), violation(0.0, oracle="speeding")]]) == (2,)
+def test_places_are_told_apart_by_squares_of_ten_metres() -> None:
+    assert count(violation(1.0), violation(9.9), violation(5.0, 3.0)) == 1
+    assert count(violation(9.9), violation(10.1)) == 2
+    assert count(violation(-0.1), violation(0.1)) == 2
+    assert count(violation(1.0, 1.0), violation(1.0, 11.0)) == 2
 
 
-def test_what_fills_a_scenario_evenly_stays_apart() -> None:
-    """Chains of neighbours make one group of it."""
-    (many,) = count_situations([[violation(float(x)) for x in range(101)]])
-    # Of three features, only x differs: 0.15 of the root mean square is 26 m of the 100.
-    assert many == 4
+def test_speeds_are_told_apart_by_five_metres_a_second() -> None:
+    speeds = (4.9, 5.1, 9.9, 10.0)
+    assert count(*(violation(ego_speed=speed) for speed in speeds)) == 3
+    assert count(*(violation(oracle="red_light", speed=speed) for speed in speeds)) == 3
+    assert count(*(violation(ego_speed=7.0, other_speed=speed) for speed in speeds)) == 3
 
 
-def test_the_order_of_campaigns_does_not_matter() -> None:
-    random = np.random.default_rng(5)
-    found = [violation(x, time=t) for x, t in random.uniform(0.0, 100.0, (60, 2))]
-    one, other = found[:30], found[30:]
-    assert count_situations([one, other]) == count_situations([other, one])[::-1]
-    assert count_situations([[*one, *other]]) == count_situations([[*other, *one]])
-    (together,) = count_situations([found])
-    assert max(count_situations([one, other])) <= together
+def test_other_evidence_and_the_time_tell_nothing_apart() -> None:
+    assert count(violation(face="front", relative_speed=3.0), violation(depth=4.0)) == 1
 
 
-def test_without_features_all_of_an_oracle_are_one_group() -> None:
-    bare = Verdict(oracle="destination", ego="ego_0", outcome=Outcome.VIOLATED, message="")
-    assert count_situations([[bare, bare], [bare]]) == (1, 1)
+def test_kinds_are_told_apart() -> None:
+    same = violation()
+    assert count_situations([("collision|road a", same), ("collision|road b", same)]) == 2
 
 
-@given(st.lists(st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)), min_size=1, max_size=40))
-def test_every_violation_is_near_its_centre_and_centres_are_apart(
-    places: list[tuple[float, float]],
+@pytest.mark.parametrize("speed", [None, True, "fast", np.nan, np.inf])
+def test_what_is_not_measured_tells_nothing_apart(speed: object) -> None:
+    assert situation_of("c", violation(None, ego_speed=speed)) == ("c", None, None, None, None)
+
+
+FAILURES = st.lists(
+    st.builds(
+        lambda x, y, speed, kind: (kind, violation(x, y, ego_speed=speed)),
+        st.floats(-200.0, 200.0),
+        st.floats(-200.0, 200.0),
+        st.floats(0.0, 40.0),
+        st.sampled_from(["collision|a", "collision|b", "off_road|a"]),
+    ),
+    max_size=30,
+)
+
+
+@given(FAILURES, FAILURES)
+def test_the_situations_of_campaigns_can_be_put_together(
+    one: list[tuple[str, Verdict]], other: list[tuple[str, Verdict]]
 ) -> None:
-    points = np.array(places)
-    labels = np.array(nearest_centres(points))
-    assert sorted(set(labels.tolist())) == list(range(labels.max() + 1))
-    for label in range(labels.max() + 1):
-        mine = points[labels == label]
-        apart = np.linalg.norm(mine[:, None] - mine[None], axis=2)
-        assert apart.min(axis=0).max() <= RADIUS + 1e-12
-        assert apart.max() <= 2.0 * RADIUS + 1e-12
-
-
-@pytest.mark.parametrize("count", [1, 2])
-def test_the_same_place_is_one_centre(count: int) -> None:
-    assert nearest_centres(np.zeros((count, 3))) == (0,) * count
+    together = count_situations([*one, *other])
+    assert max(count_situations(one), count_situations(other)) <= together
+    assert together <= count_situations(one) + count_situations(other)
+    assert together == count_situations([*other, *one])
+    assert count_situations([*one, *one]) == count_situations(one)

@@ -126,8 +126,12 @@ def test_the_files_have_the_overview_first_and_one_chart(
     }
     text = (tmp_path / "out" / "study.md").read_text()
     headings = [line for line in text.splitlines() if line.startswith("## ")]
-    assert headings[:2] == ["## By method, against random", "## By agent, against idm"]
-    assert len(headings) == 2 + 2 * len(HEADLINES)
+    assert headings[:3] == [
+        "## By method, against random",
+        "## By agent, against idm",
+        "## What the simulations came to",
+    ]
+    assert len(headings) == 3 + 2 * len(HEADLINES)
     figures = (tmp_path / "out" / "figures.csv").read_text()
     rows = list(csv.DictReader(io.StringIO(figures)))
     assert {row["agent"] for row in rows} == {"idm", "idm-mobil"}
@@ -183,6 +187,61 @@ def test_pandas_reads_the_tables_with_their_types(
     joined = failures.merge(evaluations, on=keys, validate="many_to_one")
     assert len(joined) == len(failures)
     assert (joined["violations"] > 0).all()
+
+
+def test_the_comparison_can_be_computed_again_from_the_tables_alone(
+    database: Database, study_id: str, comparison: StudyComparison, tmp_path: Path
+) -> None:
+    """By other code, from the exported files: nothing that is compared is lost."""
+    read = {}
+    for name in TableName:
+        path = tmp_path / f"{name}.parquet"
+        path.write_bytes(b"".join(parquet_chunks(database, study_id, name)))
+        read[name] = pd.read_parquet(path)
+    for figures in comparison.campaigns:
+        runs, failures = (
+            read[name][read[name]["campaign_id"] == figures.campaign]
+            for name in (TableName.EVALUATIONS, TableName.FAILURES)
+        )
+        simulated = (runs["status"] != "invalid").cumsum()
+        simulation = dict(zip(runs["evaluation"], simulated, strict=True))
+        targets = failures[
+            failures["at_fault"].fillna(value=False).astype(bool)
+            & (failures["avoidable"].isna() | (failures["avoidable"] == "yes"))
+        ]
+        assert (targets["accountability"] == "avoidable").all()
+        for chosen, count, kinds, situations, first in (
+            (
+                targets,
+                figures.avoidable,
+                figures.avoidable_kinds,
+                figures.avoidable_situations,
+                figures.first_avoidable,
+            ),
+            (
+                failures,
+                figures.failing,
+                figures.kinds,
+                figures.situations,
+                figures.first_failure,
+            ),
+        ):
+            assert chosen["evaluation"].nunique() == count
+            assert chosen["kind"].nunique() == kinds
+            speeds = [json.loads(text) for text in chosen["evidence"]]
+            cells = {
+                (row.kind, row.x // 10.0, row.y // 10.0, evidence.get("ego_speed", -9.0) // 5.0)
+                for row, evidence in zip(chosen.itertuples(), speeds, strict=True)
+            }
+            assert len(cells) == situations
+            earliest = chosen["evaluation"].min()
+            assert (simulation[earliest] if len(chosen) else None) == first
+        others = (runs["violations"] == 0) & (runs["not_at_fault"] > 0)
+        assert others.sum() == figures.not_at_fault
+        drawn = runs["redrawn"].sum() + (runs["parents"].map(len) > 0).sum()
+        assert figures.redrawn_share == (runs["redrawn"].sum() / drawn if drawn else None)
+    assert sum(figures.not_at_fault for figures in comparison.campaigns) > 0
+    assert sum(figures.avoidable for figures in comparison.campaigns) > 0
 
 
 def test_an_unknown_study_has_no_table(database: Database) -> None:

@@ -339,7 +339,7 @@ def test_a_feedback_that_changes_its_judge_is_told_from_the_agent(
             change.do()
             return Measurement(objectives={"one": 1.0})
 
-    monkeypatch.setattr(performing, "make_feedback", lambda choice: Meddling())
+    monkeypatch.setattr(performing, "make_feedback", lambda _choice, _laws: Meddling())
     try:
         report = drive(lambda: None, feedback=FeedbackChoice(name="meddling"))
     finally:
@@ -394,7 +394,7 @@ def test_the_judging_itself_is_checked_where_other_packages_have_run(
     document = canonical_json(scenario(ego(start, end, agent="idm"), seconds=1.0))
     make: Callable[[FeedbackChoice], Feedback] = measuring.make_feedback
     monkeypatch.setattr(
-        performing, "make_feedback", lambda c: Guest() if c.name == "guest" else make(c)
+        performing, "make_feedback", lambda c, _laws: Guest() if c.name == "guest" else make(c)
     )
     judging_code.cache_clear()
     code = judging_code()

@@ -24,14 +24,13 @@ from drivora_service.api.schemas.catalogues import (
 )
 from drivora_service.api.security import reader
 from drivora_service.errors import SearchError
-from drivora_service.feedback.descriptions import OBJECTIVES
+from drivora_service.feedback.descriptions import OBJECTIVES, law_objectives
 from drivora_service.metrics.descriptions import METRICS
-from drivora_service.oracles.descriptions import described
 from drivora_service.parameters import describe_parameters
 
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
-    from drivora_service.oracles.catalogue import OracleEntry
+    from drivora_service.oracles.catalogue import OracleCatalogue
     from drivora_service.search.catalogue import TesterCatalogue
 
 router = resource_router("catalogues", Depends(reader))
@@ -55,16 +54,18 @@ def list_testers(request: Request, context: Context) -> Response:
 @router.get("/oracles", response_model=OracleList, responses=answers(examples.ORACLES, 401, 403))
 def list_oracles(request: Request, context: Context) -> Response:
     """Lists the oracles that judge every run, with their thresholds."""
-    items = tuple(_oracle(context.oracles.entry(name)) for name in context.oracles.names())
+    items = tuple(_oracle(context.oracles, name) for name in context.oracles.names())
     return json_answer(request, OracleList, OracleList(items=items))
 
 
 @router.get(
     "/metrics:describe", response_model=MeasureList, responses=answers(examples.MEASURES, 401, 403)
 )
-def describe_metrics(request: Request) -> Response:
+def describe_metrics(request: Request, context: Context) -> Response:
     """Describes the metrics of runs and the objectives of searches."""
-    return json_answer(request, MeasureList, MeasureList(items=(*METRICS, *OBJECTIVES)))
+    library = context.oracles.library
+    laws = law_objectives([library.law(name) for name in library.names()])
+    return json_answer(request, MeasureList, MeasureList(items=(*METRICS, *OBJECTIVES, *laws)))
 
 
 def _agent(catalogue: AgentCatalogue, name: str) -> Agent:
@@ -129,8 +130,8 @@ def _tester(catalogue: TesterCatalogue, name: str) -> Tester:
     )
 
 
-def _oracle(entry: OracleEntry) -> Oracle:
-    told = described(entry.name)
+def _oracle(catalogue: OracleCatalogue, name: str) -> Oracle:
+    entry, told = catalogue.entry(name), catalogue.description(name)
     return Oracle(
         name=entry.name,
         description=entry.description,
@@ -141,6 +142,8 @@ def _oracle(entry: OracleEntry) -> Oracle:
         threshold_descriptions=() if told is None else told.thresholds,
         thresholds=dict(entry.thresholds),
         package=entry.package,
+        formula=entry.formula,
+        file=entry.file,
         installed=not entry.reason,
         reason=entry.reason,
     )

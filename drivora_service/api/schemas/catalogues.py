@@ -125,7 +125,9 @@ class Oracle(Schema):
         description="Meaning, unit and source of each threshold; empty for a package's."
     )
     thresholds: dict[str, Any] = Field(description="Its parameters; SI units.")
-    package: str = Field(description="Its package; empty for a built-in oracle.")
+    package: str = Field(description="Its package; empty for a built-in oracle and a law.")
+    formula: str = Field(description="Its formula, if it is a traffic law; else empty.")
+    file: str = Field(description="The user's law file that it is from; else empty.")
     installed: bool
     reason: str = Field(description="Why it cannot judge; no run is judged then. Empty if it can.")
 

@@ -10,6 +10,7 @@ import typer
 
 from drivora_service.cli.commands.campaign_comparison import compare, report
 from drivora_service.cli.commands.campaign_export import export
+from drivora_service.cli.commands.campaign_presets import presets
 from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import DataDirOption, GateOracleOption, ServerOption, location
@@ -234,6 +235,7 @@ def cancel(
 app.command()(compare)
 app.command()(report)
 app.command()(export)
+app.command()(presets)
 
 
 @contextmanager

@@ -28,7 +28,7 @@ def list_oracles(server: ServerOption = "", as_json: JsonOption = False) -> None
         (
             (
                 oracle.name,
-                oracle.package or "built in",
+                oracle.package or oracle.file or "built in",
                 "yes" if oracle.installed else f"no: {oracle.reason}",
                 oracle.description,
             )
@@ -51,6 +51,8 @@ def show(
         print_json(oracle.model_dump(mode="json"))
         return
     print(f"{oracle.name}: {oracle.description or oracle.reason}")
+    if oracle.formula:
+        print(f"Formula: {oracle.formula}\nSource: {oracle.source}")
     if oracle.thresholds:
         print_table(
             "",

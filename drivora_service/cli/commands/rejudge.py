@@ -25,13 +25,12 @@ def rejudge(
     Earlier verdicts are read from the report beside a trace (NAME.report.json). Exits with 1 if
     a verdict changed, and with 3 if a trace could not be judged.
     """
-    from drivora_service.cli.installation import network_catalogue, settings_for
+    from drivora_service.cli.installation import network_catalogue, oracle_catalogue, settings_for
     from drivora_service.cli.rejudging import find_traces, rejudge
-    from drivora_service.oracles.catalogue import OracleCatalogue
     from drivora_service.oracles.verdict_json import verdict_content
 
-    networks = network_catalogue(settings_for(data_dir))
-    oracles = OracleCatalogue()
+    settings = settings_for(data_dir)
+    networks, oracles = network_catalogue(settings), oracle_catalogue(settings)
     done = [rejudge(path, networks, oracles) for path in find_traces(traces)]
     changes = [(one.trace, change) for one in done for change in one.changes]
     if as_json:

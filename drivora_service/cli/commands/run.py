@@ -80,7 +80,7 @@ def run(
     With --json, one scenario prints one object: the run as the API shows it, with `scenario`,
     `trace` and `notes`; several print {"batch_id": …, "runs": […]}.
     """
-    chosen = _gate(gate_oracle or ()) if gate or gate_oracle else None
+    chosen = _gate(gate_oracle or (), data_dir) if gate or gate_oracle else None
     check_folder(out)
     where = location(server, data_dir)
     with connected(server, data_dir, works=True, makes_data=True, workers=workers) as client:
@@ -133,12 +133,13 @@ def run(
             raise typer.Exit(ExitCode.GATE_FAILED)
 
 
-def _gate(wanted: Sequence[str]) -> Gate:
+def _gate(wanted: Sequence[str], data_dir: Path | None) -> Gate:
     from drivora_service.cli.gates import read_gate
-    from drivora_service.oracles.catalogue import OracleCatalogue
+    from drivora_service.cli.installation import oracle_catalogue, settings_for
 
+    known = oracle_catalogue(settings_for(data_dir)).names()
     try:
-        return read_gate(wanted, OracleCatalogue().names(), counted_by="Drivora")
+        return read_gate(wanted, known, counted_by="Drivora")
     except ConfigurationError as error:
         fail(str(error))
         raise typer.Exit(ExitCode.USAGE_ERROR) from error

@@ -20,6 +20,7 @@ class Document(StrEnum):
     STUDY = "study"
     SUITE = "suite"
     GATE = "gate"
+    LAWS = "laws"
 
 
 def schema(
@@ -33,6 +34,7 @@ def schema(
 ) -> None:
     """Prints the JSON Schema of the OpenScenario document, or of another document."""
     from drivora_service.campaigns import schema as campaign_schema
+    from drivora_service.oracles.laws import schema as laws_schema
     from drivora_service.scenario import schema as scenario_schema
     from drivora_service.studies import schema as study_schema
     from drivora_service.suites import schema as suite_schema
@@ -45,6 +47,7 @@ def schema(
         Document.STUDY: (study_schema.schema_text, study_schema.schema_path),
         Document.SUITE: (suite_schema.suite_schema_text, suite_schema.suite_schema_path),
         Document.GATE: (suite_schema.gate_schema_text, suite_schema.gate_schema_path),
+        Document.LAWS: (laws_schema.schema_text, laws_schema.schema_path),
     }
     if not check and not write:
         text_of, _ = schemas[document]

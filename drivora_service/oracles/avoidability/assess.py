@@ -11,6 +11,7 @@ import numpy as np
 
 from drivora_service.errors import UnknownName
 from drivora_service.geometry.arrays import FloatArray
+from drivora_service.observations.conditions import frictions_under, perception_ranges
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Role, Trace
 from drivora_service.oracles.avoidability.braking import careful_braking, instant_braking
@@ -26,9 +27,8 @@ _KINDS = {Role.NPC_WALKER: ActorKind.WALKER, Role.NPC_OBSTACLE: ActorKind.OBSTAC
 _HEIGHTS = {ActorKind.VEHICLE: 1.5, ActorKind.WALKER: 1.7, ActorKind.OBSTACLE: 1.0}
 """Height of actors of unknown model, metres."""
 
-_WHEELBASE_SHARE = 0.6
 _MAX_STEER = 0.6
-"""Vehicles of unknown model: wheelbase as a share of the length, and steering angle in radians."""
+"""Steering angle of vehicles of unknown model, radians."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,13 +59,14 @@ def assess(
         driver: The careful driver; by default that of the regulation.
     """
     driver = driver or CarefulDriver()
-    friction = ego.trace.meta.get("friction")
-    if friction is None:
+    under = frictions_under(ego.trace, ego.actor, ego.first, ego.states[: k + 1])
+    if np.isnan(under).any():
         return _unknown("the trace does not record the grip of the road")
     if k < 1:
         return _unknown("the contact is in the ego's first row: nothing is recorded before it")
-    grip = float(friction) * GRAVITY
     replay = cut_out(ego, k, counterpart)
+    grip = replay.friction * GRAVITY
+    under = under[-replay.contact - 1 :]
     model = _model(ego.trace, ego.row)
     brakes = model.max_deceleration if model is not None else np.inf
     perceived = perceive_risk(
@@ -73,9 +74,10 @@ def assess(
         ego.trace,
         ego.row,
         driver,
-        grip=grip,
+        # Where the way is slippery, braking takes longer, and the driver looks farther ahead.
+        grip=float(under.min()) * GRAVITY,
         heights=_heights(ego.trace),
-        sight=float(ego.trace.meta.get("perception_range", np.inf)),
+        sight=perception_ranges(ego.trace, replay.first, replay.contact),
     )
     breach = own_breach(ego, k)
     # An ego in breach is assumed to know the risk from the start of the record on.
@@ -88,7 +90,7 @@ def assess(
     return Avoidability(
         avoidable=Answer.YES if avoidable else Answer.NO,
         physically_avoidable=Answer.YES if physically else Answer.NO,
-        evidence=_evidence(replay, perceived, breach, latest, float(friction)),
+        evidence=_evidence(replay, perceived, breach, latest, float(under[perceived.row :].min())),
     )
 
 
@@ -111,7 +113,7 @@ def _physically(
         min(row, replay.contact - 1),
         grip=grip,
         brakes=brakes,
-        wheelbase=model.wheelbase if model is not None else _WHEELBASE_SHARE * replay.length,
+        wheelbase=replay.wheelbase,
         max_steer=model.max_steer if model is not None else _MAX_STEER,
     )
     return evasion is not None
@@ -124,7 +126,10 @@ def _evidence(
     latest: int,
     friction: float,
 ) -> dict[str, Any]:
-    """Returns the evidence: the decisive moments in seconds before the contact, and the reasons."""
+    """Returns the evidence: the decisive moments in seconds before the contact, and the reasons.
+
+    ``friction`` is the least that the ego had from the perception of the risk on.
+    """
 
     def before(row: int) -> float:
         return round((replay.contact - row) * replay.step, 6)

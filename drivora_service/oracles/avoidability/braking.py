@@ -9,6 +9,7 @@ import numpy as np
 from drivora_service.compilation import compiled
 from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.geometry.boxes import overlap_depth
+from drivora_service.observations.ground import vehicle_friction
 from drivora_service.oracles.avoidability.driver import CarefulDriver
 from drivora_service.oracles.avoidability.replay import Replay
 
@@ -28,7 +29,8 @@ def latest_braking(
         replay: The collision.
         delay: Seconds until deceleration begins; until then the ego drives as recorded.
         full: The full deceleration, m/s².
-        grip: Friction times gravity, m/s²; what bends need of it is not available for braking.
+        grip: Highest friction of the road times gravity, m/s²; slippery places and worse weather
+            leave less, and what bends need of it is not available for braking.
         jerk: m/s³ with which the deceleration grows.
         earliest: First row to consider.
     """
@@ -45,7 +47,7 @@ def brakes_clear(
     clear: bool = _brakes_clear(
         row,
         replay.step,
-        (delay, full, grip, jerk),
+        (delay, full, grip, jerk, replay.wheelbase),
         replay.contact,
         replay.length,
         replay.width,
@@ -55,6 +57,8 @@ def brakes_clear(
         replay.present,
         replay.sizes,
         replay.walks,
+        replay.road,
+        replay.patches,
     )
     return clear
 
@@ -151,7 +155,7 @@ def pose_on(path: FloatArray, arc: float, i: int) -> tuple[float, float, float]:
 def _brakes_clear(
     row: int,
     step: float,
-    limits: tuple[float, float, float, float],
+    limits: tuple[float, float, float, float, float],
     contact: int,
     length: float,
     width: float,
@@ -161,9 +165,12 @@ def _brakes_clear(
     present: BoolArray,
     sizes: FloatArray,
     walks: BoolArray,
+    road: FloatArray,
+    patches: FloatArray,
 ) -> bool:
-    delay, full, grip, jerk = limits
+    delay, full, road_grip, jerk, wheelbase = limits
     arc, speed = path[row, 0], recorded[row]
+    x, y, yaw = path[row, 1], path[row, 2], path[row, 3]
     i = row
     stood = 0.0
     followed = np.zeros(sizes.shape[0], dtype=np.bool_)
@@ -174,6 +181,7 @@ def _brakes_clear(
             arc, speed = path[t + 1, 0], recorded[t + 1]
         else:
             wanted = full if jerk == math.inf else min(max(jerk * (since - 0.5 * step), 0.0), full)
+            grip = road_grip * vehicle_friction(x, y, 0.0, yaw, wheelbase, road[t], patches)
             side = speed * speed * path[i, 4]
             left = math.sqrt(max(grip * grip - side * side, (_LEAST_SHARE * grip) ** 2))
             braking = min(wanted, left)

@@ -16,6 +16,7 @@ from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.drivable_area import near_area
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.ground import vehicle_friction
 from drivora_service.oracles.avoidability.braking import WAIT, meets, place_on, pose_on
 from drivora_service.oracles.avoidability.replay import Replay
 
@@ -51,7 +52,8 @@ def find_evasion(
         replay: The collision.
         network: The network with the drivable area.
         row: Row of the replay.
-        grip: Friction times gravity, m/s².
+        grip: Highest friction of the road times gravity, m/s²; slippery places and worse weather
+            leave less.
         brakes: Full deceleration of the vehicle, m/s².
         wheelbase: Metres.
         max_steer: Radians at the front wheels.
@@ -67,7 +69,7 @@ def find_evasion(
                 count = _evade(
                     row,
                     replay.step,
-                    (min(share * grip, brakes), side, time, grip, brakes, wheelbase, max_steer),
+                    (share, side, time, grip, brakes, wheelbase, max_steer),
                     replay.contact,
                     replay.length,
                     replay.width,
@@ -77,6 +79,8 @@ def find_evasion(
                     replay.present,
                     replay.sizes,
                     replay.walks,
+                    replay.road,
+                    replay.patches,
                     poses,
                 )
                 if count > 0 and _on_road(network, poses[:count], replay):
@@ -103,10 +107,12 @@ def _evade(
     present: BoolArray,
     sizes: FloatArray,
     walks: BoolArray,
+    road: FloatArray,
+    patches: FloatArray,
     poses: FloatArray,
 ) -> int:
     """Fills the poses of one manoeuvre; returns their number, 0 if it touches an actor."""
-    braking, side, aside, grip, brakes, wheelbase, max_steer = manoeuvre
+    share, side, aside, road_grip, brakes, wheelbase, max_steer = manoeuvre
     x, y, yaw = path[row, 1], path[row, 2], path[row, 3]
     arc, i = path[row, 0], row
     steer = math.atan(path[row, 4] * wheelbase)
@@ -116,6 +122,8 @@ def _evade(
     straight = False
     count = len(poses)
     for t in range(count):
+        grip = road_grip * vehicle_friction(x, y, 0.0, yaw, wheelbase, road[row + t], patches)
+        braking = min((_STRAIGHT_SHARE if straight else share) * grip, brakes)
         slower = max(speed - braking * step, 0.0)
         mean = 0.5 * (speed + slower)
         speed = slower

@@ -15,6 +15,8 @@ import numpy as np
 from drivora_service.geometry.angles import wrap_angle
 from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 from drivora_service.geometry.lines import arc_lengths
+from drivora_service.observations.conditions import road_frictions, trace_patches
+from drivora_service.observations.ground import PatchCol, wheelbase_of
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import LEVEL_GAP, Col, Role, Trace
 
@@ -58,6 +60,12 @@ class Replay:
         sizes: (M, 2) length and width, metres.
         walks: (M,) flags of walkers.
         rows: (M,) rows of the others in the trace.
+        friction: Highest friction coefficient of the road in these rows; NaN if not recorded.
+        road: (R,) friction of the road beside patches, as a share of ``friction``; less in worse
+            weather, which after the record stays as it is.
+        patches: (S, 8) slippery places on the ego's level, columns ``ground.PatchCol``, at height
+            0 and with their friction as a share of ``friction``.
+        wheelbase: Of the ego, metres.
     """
 
     step: float
@@ -72,6 +80,10 @@ class Replay:
     sizes: FloatArray
     walks: BoolArray
     rows: IntArray
+    friction: float
+    road: FloatArray
+    patches: FloatArray
+    wheelbase: float
 
 
 def cut_out(ego: EgoView, k: int, counterpart: int) -> Replay:
@@ -90,6 +102,8 @@ def cut_out(ego: EgoView, k: int, counterpart: int) -> Replay:
     after = round(AFTER / trace.step_length)
     others, present = _motion(trace, rows, first, contact, after, float(states[-1, Col.YAW]))
     actors = [trace.actors[row] for row in rows]
+    road = road_frictions(trace, first, len(others))
+    friction = float(road.max())
     return Replay(
         step=trace.step_length,
         first=first,
@@ -103,7 +117,19 @@ def cut_out(ego: EgoView, k: int, counterpart: int) -> Replay:
         sizes=np.array([(actor.length, actor.width) for actor in actors]),
         walks=np.array([actor.role is Role.NPC_WALKER for actor in actors]),
         rows=np.array(rows, dtype=np.int32),
+        friction=friction,
+        road=road / friction,
+        patches=_patches(trace, float(states[-1, Col.Z]), friction),
+        wheelbase=wheelbase_of(ego.actor),
     )
+
+
+def _patches(trace: Trace, height: float, friction: float) -> FloatArray:
+    patches = trace_patches(trace)
+    here = patches[np.abs(patches[:, PatchCol.Z] - height) <= LEVEL_GAP]
+    here[:, PatchCol.Z] = 0.0
+    here[:, PatchCol.FRICTION] /= friction
+    return here
 
 
 def _near(trace: Trace, ego: EgoView, k: int, counterpart: int) -> list[int]:

@@ -73,7 +73,7 @@ def perceive_risk(
     *,
     grip: float,
     heights: FloatArray,
-    sight: float,
+    sight: float | FloatArray,
 ) -> Perceived:
     """Returns the moment from which on the actor that was hit was a risk without a pause.
 
@@ -86,7 +86,7 @@ def perceive_risk(
         driver: The driver with the thresholds.
         grip: Friction times gravity, m/s².
         heights: (N,) metres, of all actors of the trace.
-        sight: Range of sight, metres.
+        sight: Range of sight, metres; or (contact,) of them, one for each row.
     """
     rows = replay.contact
     poses = np.ascontiguousarray(replay.others[:rows, 0])
@@ -119,7 +119,7 @@ def perceive_risk(
 
 
 def _seen(
-    replay: Replay, trace: Trace, ego_row: int, heights: FloatArray, sight: float
+    replay: Replay, trace: Trace, ego_row: int, heights: FloatArray, sight: float | FloatArray
 ) -> BoolArray:
     """Returns (contact,) whether the actor that was hit was in sight."""
     other = int(replay.rows[0])

@@ -14,7 +14,8 @@ REACTION = 1.15
 evaluation and 0.75 s of delay (UNECE R157, annex 3)."""
 
 DECELERATION = 0.774 * GRAVITY
-"""m/s² of the competent driver's braking (UNECE R157, annex 3), if the road has that grip."""
+"""m/s² of the competent driver's braking (UNECE R157, annex 3), if the road has that grip all the
+way from the moment at which the risk could be perceived."""
 
 RAMP = 0.6
 """Seconds until the braking is full (UNECE R157, annex 3)."""
@@ -41,6 +42,7 @@ def could_brake(one: Party, other: Party, step: int, reaction: float = REACTION)
     last = float(ahead[-1] - ahead[-2]) / dt if other.count > 1 else 0.0
     last = max(last, 0.0)
     steps = np.diff(one.travelled)
+    full = min(DECELERATION, float(one.grip[begin:].min()))
     place, time = float(driven[begin]), 0.0
     speed = float(steps[min(begin, len(steps) - 1)]) / dt if len(steps) else 0.0
     k = begin
@@ -51,7 +53,7 @@ def could_brake(one: Party, other: Party, step: int, reaction: float = REACTION)
             speed = float(steps[k - 1]) / dt if known else speed
             place = float(driven[k]) if known else place + speed * dt
         else:
-            braking = min(DECELERATION, one.grip) * min(1.0, (time - reaction) / RAMP)
+            braking = full * min(1.0, (time - reaction) / RAMP)
             speed = max(0.0, speed - braking * dt)
             place += speed * dt
         row = k - (one.count - other.count)

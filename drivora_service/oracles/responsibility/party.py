@@ -14,6 +14,7 @@ from drivora_service.geometry.lines import arc_lengths
 from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.conditions import frictions_under
 from drivora_service.observations.trace import Actor, Col, Trace
 from drivora_service.oracles.responsibility.lane_areas import intrusion, lane_areas
 
@@ -41,7 +42,7 @@ class Party:
         speed: m/s over ground on the way into the contact.
         from_beginning: Whether it was there when the record began, so that what it did before is
             unknown.
-        grip: m/s² that its tyres can transmit, as far as recorded.
+        grip: (n,) m/s² that its tyres could transmit at each row; inf if it is not recorded.
         appeared: Whether it was added after the record had begun.
     """
 
@@ -59,7 +60,9 @@ class Party:
         self.speed = speed
         self.from_beginning = self.first == 0
         self.appeared = self.first > 0 and not trace.present[self.first - 1, actor.row]
-        self.grip = float(trace.meta.get("friction", math.inf)) * GRAVITY
+        self.grip: FloatArray = GRAVITY * np.nan_to_num(
+            frictions_under(trace, actor, self.first, self.states), nan=math.inf
+        )
         self._areas = lane_areas(network)
 
     @property

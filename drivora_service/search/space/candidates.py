@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 
 from drivora_service.errors import Problem
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.networks.catalogue import NetworkLookup
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.runs.candidate import Candidate, SpaceSource
+from drivora_service.runs.candidate import Candidate, Reference, SpaceSource
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import Scenario
@@ -19,15 +19,25 @@ from drivora_service.scenario.route_checks import RouteCheck, check_route
 from drivora_service.scenario.start_overlaps import StartPose
 from drivora_service.scenario.validation import scenario_problems
 from drivora_service.search.genes import GeneSpace
+from drivora_service.search.space.keeping_clear import keep_clear, with_reference
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.source import source_of
+from drivora_service.search.space.usable_area import PlannedMotions
 
 
 class ScenarioCandidates:
-    """Decodes values, and validates the scenario as a document."""
+    """Decodes values, and validates the scenario as a document.
+
+    Attributes:
+        space: Decodes values.
+    """
 
     def __init__(
-        self, space: ScenarioSpace, networks: NetworkLookup, agents: Collection[str]
+        self,
+        space: ScenarioSpace,
+        networks: NetworkLookup,
+        agents: Collection[str],
+        motions: PlannedMotions,
     ) -> None:
         """Prepares the candidates.
 
@@ -35,25 +45,37 @@ class ScenarioCandidates:
             space: Decodes values.
             networks: Catalogue for the town of a scenario.
             agents: Names of the available agents.
+            motions: Plans the motions of actors, for candidates with a reference.
         """
-        self._space, self._networks, self._agents = space, networks, agents
+        self.space, self._networks, self._agents = space, networks, agents
+        self._motions = motions
         self._check_route = remembering_routes(space.seed)
 
     @property
     def genes(self) -> GeneSpace:
         """The genes of the candidates."""
-        return self._space.genes
+        return self.space.genes
 
     @cached_property
     def source(self) -> SpaceSource:
         """The space in text."""
-        return source_of(self._space)
+        return source_of(self.space)
 
-    def prepare(self, values: FloatArray) -> Candidate:
-        """Repairs values (d,), decodes them, and checks the scenario."""
+    def prepare(self, values: FloatArray, reference: Reference | None = None) -> Candidate:
+        """Repairs values (d,), decodes them, and checks the scenario.
+
+        Args:
+            values: (d,) genes.
+            reference: Paths of the egos; actors of the genes that would enter the area that an ego
+                could use on its path are redrawn, or become absent.
+        """
         begun = time.perf_counter()
-        repaired = self._space.repair(values)
-        scenario = self._space.scenario(repaired)
+        repaired = self.space.repair(values)
+        scenario = self.space.scenario(repaired)
+        if reference is not None:
+            repaired, scenario = keep_clear(
+                self.space, repaired, partial(with_reference, reference=reference), self._motions
+            )
         problems = scenario_problems(scenario, self._networks, self._agents, self._check_route)
         return Candidate(
             values=tuple(repaired.tolist()),

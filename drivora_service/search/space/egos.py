@@ -9,6 +9,7 @@ from drivora_service.geometry.arrays import FloatArray
 from drivora_service.scenario.actor_models import ActorKind, actor_model
 from drivora_service.scenario.model import EgoVehicle
 from drivora_service.search.genes import Block, Gene
+from drivora_service.search.space.alike import ABSENT, Decoded
 from drivora_service.search.space.ego_routes import EgoRoute
 from drivora_service.search.space.layout import choice, number, presence
 from drivora_service.search.space.options import SpaceOptions
@@ -93,6 +94,13 @@ class GeneEgo:
     def start(self, values: FloatArray) -> Start:
         """Returns its appearance."""
         return self.place(values).start
+
+    def decoded(self, values: FloatArray) -> Decoded:
+        """Returns the ego and its appearance, as ``alike`` compares them."""
+        if not self.is_present(values):
+            return ABSENT
+        placed = self.place(values)
+        return placed.ego, placed.start
 
     def place(self, values: FloatArray) -> PlacedEgo:
         """Returns the ego."""

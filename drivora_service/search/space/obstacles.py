@@ -11,6 +11,7 @@ from drivora_service.geometry.arrays import FloatArray
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
 from drivora_service.scenario.model import NpcObstacle
 from drivora_service.search.genes import Block, Gene
+from drivora_service.search.space.alike import ABSENT, Decoded
 from drivora_service.search.space.driven_path import Pose
 from drivora_service.search.space.egos import PlacedEgo
 from drivora_service.search.space.layout import choice, number, presence
@@ -97,6 +98,12 @@ class ObstacleDecoder:
 
     def _model_of(self, values: FloatArray) -> ActorModel:
         return self._models[int(values[self._model])]
+
+    def decoded(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Decoded:
+        """Returns the obstacle and its appearance, as ``alike`` compares them."""
+        if not self.is_present(values):
+            return ABSENT
+        return self.obstacle(egos, values), self.start(egos, values)
 
     def _ego(self, egos: Sequence[PlacedEgo], values: FloatArray) -> PlacedEgo:
         return egos[int(values[self._path]) % len(egos)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property, partial
@@ -10,23 +11,30 @@ from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.route_meetings import meeting_matrix
 from drivora_service.scenario.model import Scenario
-from drivora_service.search.genes import GeneSpace, Part
+from drivora_service.search.genes import Block, GeneSpace, Part
+from drivora_service.search.space.alike import Decode, decode_alike
 from drivora_service.search.space.conditions import (
     light_genes,
     traffic_lights,
     weather,
     weather_genes,
 )
+from drivora_service.search.space.driven_path import Pose
 from drivora_service.search.space.ego_routes import routes_of_egos
 from drivora_service.search.space.egos import FixedEgo, GeneEgo, PlacedEgo, ego_genes
+from drivora_service.search.space.fixed_starts import fixed_starts
 from drivora_service.search.space.layout import Layout
 from drivora_service.search.space.npc_paths import NpcPath, find_npc_paths
 from drivora_service.search.space.obstacles import ObstacleDecoder, blocks_lane, obstacle_genes
 from drivora_service.search.space.option_checks import check_options
-from drivora_service.search.space.options import SpaceOptions
+from drivora_service.search.space.options import SpaceOptions, VehicleStarts
+from drivora_service.search.space.patches import PatchDecoder, patch_genes
 from drivora_service.search.space.repair import Mover, other_choices, settle
 from drivora_service.search.space.seed_actors import ActorNames, seed_starts
-from drivora_service.search.space.vehicles import VehicleDecoder, vehicle_genes
+from drivora_service.search.space.vehicle_genes import vehicle_genes
+from drivora_service.search.space.vehicle_places import GenePlaces, VehiclePlace
+from drivora_service.search.space.vehicle_ways import VehicleWay
+from drivora_service.search.space.vehicles import VehicleDecoder
 from drivora_service.search.space.walkers import WalkerDecoder, walker_genes
 
 
@@ -64,11 +72,13 @@ class ScenarioSpace:
                 count=options.paths,
                 region=seed.map_region.region_segment,
             )
+        self._seed_starts = seed_starts(seed, network)
         self._layout, self._names = Layout(), ActorNames(seed)
         self._fixed_egos, self._egos = self._make_egos()
         self._vehicles = self._make_vehicles()
         self._walkers = self._make_walkers()
         self._obstacles = self._make_obstacles()
+        self._patches = self._make_patches()
         self._weather = (
             self._layout.add("weather", Part.WEATHER, weather_genes()) if options.weather else None
         )
@@ -78,7 +88,6 @@ class ScenarioSpace:
             else None
         )
         self.genes = GeneSpace(self._layout.blocks)
-        self._seed_starts = seed_starts(seed, network)
 
     @cached_property
     def conflicts(self) -> BoolArray | None:
@@ -99,6 +108,11 @@ class ScenarioSpace:
         """
         repaired = self.genes.clip(values)
         taken = [*self._seed_starts, *(ego.place().start for ego in self._fixed_egos)]
+        taken += [
+            vehicle.start(repaired)
+            for vehicle in self._vehicles
+            if vehicle.genes is None and vehicle.is_present(repaired)
+        ]
         for mover in self._ego_and_vehicle_movers(repaired):
             settle(repaired, mover, taken)
         egos = self._placed_egos(repaired)
@@ -121,6 +135,8 @@ class ScenarioSpace:
             + tuple(
                 one.obstacle(egos, values) for one in self._obstacles if one.is_present(values)
             ),
+            friction_patches=seed.friction_patches
+            + tuple(one.patch(egos, values) for one in self._patches if one.is_present(values)),
             weather=seed.weather
             if self._weather is None
             else weather(self._weather, values, seed.weather),
@@ -128,6 +144,68 @@ class ScenarioSpace:
             if self._lights is None
             else traffic_lights(self._lights, values, seed.traffic_lights),
         )
+
+    def decode_alike(self, one: FloatArray, other: FloatArray) -> bool:
+        """Returns whether two candidates cannot be told apart by their runs; see ``alike``.
+
+        Args:
+            one: (d,) repaired genes.
+            other: (d,) genes within the bounds.
+        """
+        return decode_alike(self._parts(one), one, other)
+
+    def _parts(self, base: FloatArray) -> tuple[tuple[Block, Decode], ...]:
+        """Returns the blocks, with what decodes them beside the egos of a candidate."""
+        egos = self._placed_egos(base)
+        parts: list[tuple[Block, Decode]] = [(one.block, one.decoded) for one in self._egos]
+        parts += [(one.block, one.decoded) for one in self._vehicles]
+        parts += [(one.block, partial(one.decoded, egos)) for one in self._walkers]
+        parts += [(one.block, partial(one.decoded, egos)) for one in self._obstacles]
+        parts += [(one.block, partial(one.decoded, egos)) for one in self._patches]
+        seed = self.seed
+        if (of_weather := self._weather) is not None:
+            parts.append((of_weather, lambda v: (weather(of_weather, v, seed.weather), None)))
+        if (lights := self._lights) is not None:
+            parts.append((lights, lambda v: (traffic_lights(lights, v, seed.traffic_lights), None)))
+        return tuple(parts)
+
+    def vehicle_ways(self, values: FloatArray) -> tuple[VehicleWay, ...]:
+        """Returns the ways of the NPC vehicles that are present, from repaired values (d,)."""
+        return tuple(one.way(values) for one in self._vehicles if one.is_present(values))
+
+    def ego_distance(self, block: Block, values: FloatArray) -> float | None:
+        """Returns how far from an ego's start an actor appears, or a patch has its centre.
+
+        Args:
+            block: The genes of an actor or patch, which counts as present.
+            values: (d,) genes within the bounds.
+
+        Returns:
+            Metres to the nearest ego; ``None`` for egos, weather and lights.
+        """
+        egos = self._placed_egos(values)
+        pose = self._pose_of(block, egos, values)
+        if pose is None:
+            return None
+        return min(math.hypot(pose.x - e.start.pose.x, pose.y - e.start.pose.y) for e in egos)
+
+    def _pose_of(
+        self, block: Block, egos: tuple[PlacedEgo, ...], values: FloatArray
+    ) -> Pose | None:
+        place = block.start
+        for vehicle in self._vehicles:
+            if vehicle.block.start == place:
+                return vehicle.start(values).pose
+        for walker in self._walkers:
+            if walker.block.start == place:
+                return walker.start(egos, values).pose
+        for obstacle in self._obstacles:
+            if obstacle.block.start == place:
+                return obstacle.start(egos, values).pose
+        for patch in self._patches:
+            if patch.block.start == place:
+                return patch.pose(egos, values)
+        return None
 
     def _make_egos(self) -> tuple[tuple[FixedEgo, ...], tuple[GeneEgo, ...]]:
         own = self.seed.ego_vehicles
@@ -145,12 +223,29 @@ class ScenarioSpace:
 
     def _make_vehicles(self) -> tuple[VehicleDecoder, ...]:
         made = []
+        fixed = self._fixed_starts()
         for i in range(self.options.vehicles):
             name = f"vehicle_{i}"
-            genes = vehicle_genes(self.options, self.paths)
+            genes = vehicle_genes(self.options, (fixed[i].path,) if fixed else self.paths)
             block = self._layout.add(name, Part.VEHICLE, genes, self._names.free(name))
-            made.append(VehicleDecoder(block, block.actor, self.paths, self.options))
+            place = fixed[i] if fixed else GenePlaces(block, self.paths)
+            made.append(VehicleDecoder(block, block.actor, place, self.options))
         return tuple(made)
+
+    def _fixed_starts(self) -> tuple[VehiclePlace, ...]:
+        """Returns the starts of NPC vehicles, if they do not vary."""
+        options = self.options
+        if options.starts is VehicleStarts.FREE or not options.vehicles:
+            return ()
+        ego, *others = (ego.place().start for ego in self._fixed_egos)
+        limit = max(float(one.path.route.speed_limits.max()) for one in self.paths)
+        return fixed_starts(
+            self.paths,
+            ego,
+            [*others, *self._seed_starts],
+            options.vehicles,
+            options.max_speed_factor * limit,
+        )
 
     def _make_walkers(self) -> tuple[WalkerDecoder, ...]:
         made = []
@@ -168,6 +263,15 @@ class ScenarioSpace:
             genes = obstacle_genes(self.options, self._ego_count)
             block = self._layout.add(name, Part.OBSTACLE, genes, self._names.free(name))
             made.append(ObstacleDecoder(block, block.actor))
+        return tuple(made)
+
+    def _make_patches(self) -> tuple[PatchDecoder, ...]:
+        made = []
+        for i in range(self.options.patches):
+            name = f"patch_{i}"
+            genes = patch_genes(self.options, self._ego_count)
+            block = self._layout.add(name, Part.PATCH, genes, self._names.free(name))
+            made.append(PatchDecoder(block, block.actor))
         return tuple(made)
 
     @property
@@ -188,12 +292,13 @@ class ScenarioSpace:
                     alternatives=other_choices(ego.path_gene, values, len(self.routes)),
                 )
         for vehicle in self._vehicles:
-            if vehicle.is_present(values):
+            genes = vehicle.genes
+            if genes is not None and vehicle.is_present(values):
                 yield Mover(
                     start=vehicle.start,
-                    room=vehicle.shift_room,
-                    shift_gene=vehicle.shift_gene,
-                    alternatives=other_choices(vehicle.path_gene, values, len(self.paths)),
+                    room=genes.shift_room,
+                    shift_gene=genes.shift_gene,
+                    alternatives=other_choices(genes.path_gene, values, len(self.paths)),
                 )
 
     def _roadside_movers(self, values: FloatArray, egos: tuple[PlacedEgo, ...]) -> Iterator[Mover]:

@@ -38,7 +38,7 @@ def seed_starts(seed: Scenario, network: RoadNetwork) -> tuple[Start, ...]:
 
 
 class ActorNames:
-    """Ids for new actors, different from those of the seed's."""
+    """Ids for new actors and patches, different from those of the seed's."""
 
     def __init__(self, seed: Scenario) -> None:
         self._used = {
@@ -48,6 +48,7 @@ class ActorNames:
                 seed.npc_vehicles,
                 seed.npc_walkers,
                 seed.npc_obstacles,
+                seed.friction_patches,
             )
             for actor in actors
         }

@@ -1,171 +1,258 @@
-"""Genes of an NPC vehicle, and their decoding."""
+"""Decoding the genes of an NPC vehicle."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import replace
 
 from drivora_service.geometry.arrays import FloatArray
-from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
-from drivora_service.scenario.model import NpcBehavior, NpcVehicle, Waypoint
-from drivora_service.scenario.route_checks import JOIN_DISTANCE
-from drivora_service.search.genes import Block, Gene
+from drivora_service.networks.route_line import QuickChange
+from drivora_service.scenario.actor_models import ActorModel
+from drivora_service.scenario.model import NpcBehavior, NpcVehicle, RouteEnd
+from drivora_service.search.genes import Block
+from drivora_service.search.space.alike import ABSENT, Decoded
 from drivora_service.search.space.driven_path import DrivenPath
-from drivora_service.search.space.layout import choice, number, presence, whole
-from drivora_service.search.space.npc_paths import NpcPath
+from drivora_service.search.space.npc_waypoints import (
+    CHANGE_ROOM,
+    LEAST_STEP,
+    Stop,
+    drawn,
+    has_room_beside,
+    joined,
+    place_beside,
+)
 from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.starts import Start
+from drivora_service.search.space.vehicle_genes import MANOEUVRES, WAITING
+from drivora_service.search.space.vehicle_places import GenePlaces, VehiclePlace
+from drivora_service.search.space.vehicle_ways import SpeedGene, VehicleWay
 
-MODELS = (
-    "vehicle.nissan.micra",
-    "vehicle.lincoln.mkz_2017",
-    "vehicle.volkswagen.t2",
-    "vehicle.tesla.cybertruck",
-    "vehicle.mercedes.sprinter",
-    "vehicle.carlamotors.carlacola",
-    "vehicle.yamaha.yzf",
-)
-"""Small and large cars, vans, a truck and a motorcycle, all narrower than any lane."""
-LEAST_SPEED = 2.0
-"""m/s: an ego behind a vehicle at this speed still arrives within 0.8 s a metre, its time limit."""
-MAX_SHIFT = 12.0
-"""Greatest move of a waypoint along the path, metres."""
 _LEAST_SPACING = 15.0
 """Metres between waypoints, if there is room: enough for a lane change."""
-_LEAST_STEP = 2.0
-"""Least distance between waypoints, metres."""
-_CHANGE_ROOM = 12.0
-"""Metres that a waypoint on the neighbouring lane keeps from the waypoints before and behind it,
-and from the ends of its lane, so that it can be reached and left on the way."""
-_TURN = 1.3
-"""Ratio of lengths up to which a straight line may stand for a path."""
-_REPLAY_SPACING = 4.0
-"""Metres between the waypoints of a vehicle that follows straight lines between them."""
-
-
-def vehicle_genes(options: SpaceOptions, paths: Sequence[NpcPath]) -> list[Gene]:
-    """Returns the genes of an NPC vehicle that chooses from ``paths``."""
-    slices = range(options.slices)
-    limit = max(float(path.path.route.speed_limits.max()) for path in paths)
-    fastest = max(options.max_speed_factor * limit, LEAST_SPEED)
-    leftmost = int(any(_neighbour(path.path, 1) for path in paths))
-    rightmost = -int(any(_neighbour(path.path, -1) for path in paths))
-    return [
-        presence(optional=options.optional),
-        choice("model", len(MODELS)),
-        choice("path", len(paths)),
-        number("start", 0.0, 1.0),
-        *[number(f"speed_{k}", LEAST_SPEED, fastest, "m/s") for k in slices],
-        *[whole(f"lane_{k}", rightmost, leftmost) for k in slices],
-        *[number(f"along_{k}", -MAX_SHIFT, MAX_SHIFT, "m") for k in slices],
-    ]
-
-
-def _neighbour(path: DrivenPath, side: int) -> bool:
-    """Returns whether any lane of a path has a neighbour on a side."""
-    lanes = [path.network.lanes[lane] for lane, _, _ in path.lane_ranges]
-    return any((lane.left if side > 0 else lane.right) >= 0 for lane in lanes)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Stop:
-    """A planned waypoint: arc length on the path, lane to the side (-1, 0, 1), desired speed."""
-
-    s: float
-    side: int
-    speed: float
+_DIGITS = 3
 
 
 class VehicleDecoder:
-    """Reads one vehicle's genes."""
+    """Reads one vehicle's genes.
+
+    Attributes:
+        genes: Where its genes place it; ``None`` if its start is fixed.
+    """
 
     def __init__(
-        self, block: Block, actor_id: str, paths: Sequence[NpcPath], options: SpaceOptions
+        self,
+        block: Block,
+        actor_id: str,
+        place: GenePlaces | VehiclePlace,
+        options: SpaceOptions,
     ) -> None:
-        self.block, self._id = block, actor_id
-        self._paths, self._options = paths, options
-        self._models = tuple(actor_model(ActorKind.VEHICLE, name) for name in MODELS)
-        self._present = block.start
-        self._model = block.index("model")
-        self.path_gene, self.shift_gene = block.index("path"), block.index("start")
+        self.block, self._id, self._options = block, actor_id, options
+        self.genes = place if isinstance(place, GenePlaces) else None
+        self._fixed = None if isinstance(place, GenePlaces) else place
+        names = {gene.name: block.start + i for i, gene in enumerate(block.genes)}
+        self._present = names.get("present")
         self._speeds = list(block.indices("speed"))
         self._lanes = list(block.indices("lane"))
+        self._manoeuvres = list(block.indices("manoeuvre"))
         self._shifts = list(block.indices("along"))
+        self._deceleration = names.get("deceleration")
+        self._lateral = names.get("lateral_acceleration")
+        self._wait = tuple(names[name] for name in WAITING if name in names)
 
     def is_present(self, values: FloatArray) -> bool:
         """Returns whether the vehicle is present."""
-        return bool(values[self._present] > 0.5)
+        return self._present is None or bool(values[self._present] > 0.5)
 
-    def path(self, values: FloatArray) -> NpcPath:
-        """Returns the chosen path."""
-        return self._paths[int(values[self.path_gene])]
-
-    def shift_room(self, values: FloatArray) -> float:
-        """Returns the metres that the start gene moves it by, from 0 to 1."""
-        return self.path(values).start_room
+    def place(self, values: FloatArray) -> VehiclePlace:
+        """Returns where it starts, on which path, as which model."""
+        if self._fixed is not None:
+            return self._fixed
+        assert self.genes is not None
+        return self.genes.place(values)
 
     def start(self, values: FloatArray) -> Start:
         """Returns its appearance."""
-        chosen, model = self.path(values), self._model_of(values)
-        s = chosen.start_at(float(values[self.shift_gene]))
+        place = self.place(values)
+        until = 0.0
+        if not self._options.slice_time:
+            first = self._first(values, place)
+        else:
+            first, *others = self._timed_stops(values, place, self._options.slice_time)
+            until = first.wait if others else math.inf
         return Start(
-            pose=chosen.path.at(s),
-            length=model.length,
-            width=model.width,
-            speed=self._speed(chosen.path, model, s, float(values[self._speeds[0]])),
-            path=chosen.path,
-            s=s,
+            pose=place.path.path.at(place.s),
+            length=place.model.length,
+            width=place.model.width,
+            until=until,
+            speed=0.0 if until else first.speed,
+            path=place.path.path,
+            s=place.s,
         )
 
     def vehicle(self, values: FloatArray) -> NpcVehicle:
         """Returns the vehicle."""
-        chosen, model = self.path(values), self._model_of(values)
-        path = chosen.path
-        begin = chosen.start_at(float(values[self.shift_gene]))
-        stops = self._stops(values, path, model, begin)
-        wanted = float(values[self._speeds[0]])
-        first = _Stop(s=begin, side=0, speed=self._speed(path, model, begin, wanted))
-        if self._options.behavior is NpcBehavior.REPLAY:
-            route = _drawn(path, [first, *stops])
+        place = self.place(values)
+        path, model, options = place.path.path, place.model, self._options
+        if not options.slice_time:
+            stops = [self._first(values, place), *self._stops(values, path, model, place.s)]
         else:
-            route = _joined(
-                path, [first, *stops], lambda s, wanted: self._speed(path, model, s, wanted)
-            )
+            stops = self._timed_stops(values, place, options.slice_time)
+        lateral = self._limit(values, self._lateral, options.max_lateral_acceleration)
+        if options.behavior is NpcBehavior.REPLAY:
+            radius = model.wheelbase / math.tan(model.max_steer)
+
+            def change(speed: float) -> QuickChange:
+                return QuickChange(
+                    speed=speed, lateral_acceleration=lateral or math.inf, least_radius=radius
+                )
+
+            route = drawn(path, stops, None if lateral is None else change)
+        else:
+            route = joined(path, stops, lambda s, wanted: self._speed(path, model, s, wanted))
         return NpcVehicle(
-            id=self._id, model=model.name, route=route, behavior=self._options.behavior
+            id=self._id,
+            model=model.name,
+            route=route,
+            behavior=options.behavior,
+            at_end=options.at_end,
+            deceleration=self._limit(values, self._deceleration, options.max_deceleration),
+            lateral_acceleration=lateral,
         )
 
-    def _model_of(self, values: FloatArray) -> ActorModel:
-        return self._models[int(values[self._model])]
+    def decoded(self, values: FloatArray) -> Decoded:
+        """Returns the vehicle and its appearance, as ``alike`` compares them."""
+        if not self.is_present(values):
+            return ABSENT
+        return self.vehicle(values), self.start(values)
+
+    def way(self, values: FloatArray) -> VehicleWay:
+        """Returns where the vehicle drives, and from where on its genes have an effect."""
+        place, options = self.place(values), self._options
+        path = place.path.path
+        speeds: tuple[SpeedGene, ...] = ()
+        # Limits of its own and stops, which are planned within the grip, move the places from which
+        # on a speed shows.
+        is_plain = options.at_end is RouteEnd.LEAVE and not (
+            options.slice_time
+            or options.max_wait
+            or options.max_deceleration
+            or options.max_lateral_acceleration
+        )
+        if is_plain:
+            places, wanted = self._places(values, path, place.s), values[self._speeds]
+            speeds = tuple(
+                SpeedGene(
+                    index=self._speeds[k],
+                    after=places[k - 1],
+                    before=max(float(wanted[:k].max()), options.min_speed),
+                )
+                for k in range(1, len(places))
+            )
+        return VehicleWay(
+            block=self.block,
+            line=path.line,
+            arc=path.arc,
+            speeds=speeds,
+            places=(*self._lanes, *self._shifts),
+        )
+
+    def _limit(self, values: FloatArray, gene: int | None, most: float) -> float | None:
+        """Returns a limit of its driving: its gene, or without one the greatest; 0 is none."""
+        value = most if gene is None else float(values[gene])
+        return round(value, _DIGITS) or None
+
+    def _first(self, values: FloatArray, place: VehiclePlace) -> Stop:
+        """Returns the waypoint at the start."""
+        wanted = float(values[self._speeds[0]])
+        speed = self._speed(place.path.path, place.model, place.s, wanted)
+        return Stop(s=place.s, side=0, speed=speed)
 
     def _speed(self, path: DrivenPath, model: ActorModel, s: float, wanted: float) -> float:
         fastest = min(self._options.max_speed_factor * path.limit_at(s), model.max_speed)
-        return max(min(wanted, fastest), LEAST_SPEED)
+        return max(min(wanted, fastest), self._options.min_speed)
 
     def _stops(
         self, values: FloatArray, path: DrivenPath, model: ActorModel, begin: float
-    ) -> list[_Stop]:
+    ) -> list[Stop]:
         """Returns the waypoints after the start."""
         places = self._places(values, path, begin)
+        lanes = values[self._lanes].tolist() if self._lanes else [0.0] * len(places)
+        at, seconds = self._standing(values)
         stops = []
         for k, s in enumerate(places):
             before = places[k - 1] if k else begin
-            if s - before < 0.5 * _LEAST_STEP:
+            if s - before < 0.5 * LEAST_STEP:
                 # The road ends before the last waypoints.
                 continue
             behind = places[k + 1] if k + 1 < len(places) else math.inf
             room = min(s - before, behind - s)
-            side = int(values[self._lanes[k]]) if room >= _CHANGE_ROOM else 0
+            side = int(lanes[k]) if room >= CHANGE_ROOM else 0
             stops.append(
-                _Stop(
+                Stop(
                     s=s,
-                    side=side if _has_room_beside(path, s, side) else 0,
+                    side=side if has_room_beside(path, s, side) else 0,
                     speed=self._speed(path, model, s, float(values[self._speeds[k]])),
+                    wait=seconds if k == at else 0.0,
                 )
             )
         return stops
+
+    def _standing(self, values: FloatArray) -> tuple[int, float]:
+        """Returns the slice at whose waypoint it stands, -1 for none, and for how many seconds."""
+        if not self._wait:
+            return -1, 0.0
+        waits, at, seconds = (float(values[gene]) for gene in self._wait)
+        return (int(at) if waits > 0.5 else -1), seconds
+
+    def _timed_stops(self, values: FloatArray, place: VehiclePlace, seconds: float) -> list[Stop]:
+        """Returns the waypoints of slices of time, the start included.
+
+        After the last slice it drives on to the end of its path at its last speed, unless it
+        stands.
+        """
+        path, model = place.path.path, place.model
+        stops = [Stop(s=place.s, side=0, speed=0.0)]
+        wanted_side, stands = 0, False
+        for k, gene in enumerate(self._speeds):
+            before = stops[-1]
+            speed = self._speed(path, model, before.s, float(values[gene]))
+            if self._manoeuvres:
+                wanted_side += MANOEUVRES[int(values[self._manoeuvres[k]])]
+                wanted_side = min(max(wanted_side, -1), 1)
+            if len(stops) == 1 and not stops[0].wait:
+                stops[0] = before = replace(before, speed=speed)
+            stands = speed * seconds < LEAST_STEP
+            if stands:
+                stops[-1] = replace(before, wait=before.wait + seconds)
+            else:
+                stops += self._next_stop(
+                    path, before, before.s + speed * seconds, wanted_side, speed
+                )
+        if not stands:
+            # A place beside the path keeps from the end of its lane.
+            end = path.length - (CHANGE_ROOM if wanted_side else 0.0)
+            stops += self._next_stop(path, stops[-1], end, wanted_side, speed)
+        if len(stops) == 1:
+            # It never drives: a parked vehicle.
+            return [replace(stops[0], wait=0.0)]
+        return stops
+
+    def _next_stop(
+        self, path: DrivenPath, before: Stop, s: float, wanted_side: int, speed: float
+    ) -> list[Stop]:
+        """Returns the waypoint that is reached at ``s``, or near it; none if the path ends before.
+
+        A lane beside the path is reached where there is room for it.
+        """
+        s = path.on_road(min(s, path.length), before.s + LEAST_STEP)
+        if s - before.s < LEAST_STEP:
+            return []
+        for side in dict.fromkeys((wanted_side, before.side)):
+            room = LEAST_STEP if side == before.side else CHANGE_ROOM
+            place = s if side == 0 else place_beside(path, s, side)
+            if place is not None and place - before.s >= room:
+                return [Stop(s=place, side=side, speed=speed)]
+        return [Stop(s=s, side=0, speed=speed)]
 
     def _places(self, values: FloatArray, path: DrivenPath, begin: float) -> list[float]:
         """Returns the arc lengths of the waypoints: evenly spaced, shifted, in order, on roads.
@@ -181,85 +268,6 @@ class VehicleDecoder:
         for k, shift in enumerate(values[self._shifts].tolist()):
             wanted = begin + (k + 1) * spacing + shift
             wanted = min(max(wanted, last + least), path.length - (count - 1 - k) * least)
-            last = path.on_road(wanted, last + min(least, _LEAST_STEP))
+            last = path.on_road(wanted, last + min(least, LEAST_STEP))
             places.append(last)
         return places
-
-
-def _has_room_beside(path: DrivenPath, s: float, side: int) -> bool:
-    """Returns whether a waypoint on the lane to the side can be reached and left again."""
-    if side == 0:
-        return False
-    index, low, high = path.lane_ranges[path.range_at(s)]
-    lane = path.network.lanes[index]
-    if (lane.left if side > 0 else lane.right) < 0:
-        return False
-    return low + _CHANGE_ROOM <= s <= high - _CHANGE_ROOM
-
-
-def _offset(path: DrivenPath, stop: _Stop) -> float:
-    """Returns the metres to the left of the path at which a waypoint lies."""
-    if stop.side == 0:
-        return 0.0
-    own = path.network.lanes[path.lane_ranges[path.range_at(stop.s)][0]]
-    other = path.network.lanes[own.left if stop.side > 0 else own.right]
-    return stop.side * 0.5 * (own.width + other.width)
-
-
-def _joined(
-    path: DrivenPath, stops: Sequence[_Stop], allowed: Callable[[float, float], float]
-) -> tuple[Waypoint, ...]:
-    """Returns waypoints between which the planner reproduces the path.
-
-    Args:
-        path: Their path.
-        stops: The waypoints placed by genes.
-        allowed: Returns the speed at an arc length, given the desired one.
-    """
-    route = [_waypoint(path, stops[0])]
-    for before, stop in pairwise(stops):
-        route.extend(
-            path.at(s).waypoint(allowed(s, stop.speed)) for s in _ties(path, before.s, stop.s)
-        )
-        route.append(_waypoint(path, stop))
-    return tuple(route)
-
-
-def _ties(path: DrivenPath, begin: float, end: float) -> list[float]:
-    """Returns the places to pass between two waypoints, so that the path is unique.
-
-    For waypoints on roads that are not adjacent, it is the middle of the longest road between them;
-    for waypoints so near to one another that a straight line would join them although the path
-    turns, the middle of the turn.
-    """
-    first, last = path.range_at(begin), path.range_at(end)
-    roads = [
-        (high - low, 0.5 * (low + high))
-        for lane, low, high in path.lane_ranges[first + 1 : last]
-        if not path.network.lanes[lane].is_internal
-    ]
-    if roads:
-        return [max(roads)[1]]
-    here, there = path.at(begin), path.at(end)
-    straight = math.hypot(there.x - here.x, there.y - here.y)
-    if straight <= JOIN_DISTANCE and end - begin > _TURN * straight + _LEAST_STEP:
-        return [0.5 * (begin + end)]
-    return []
-
-
-def _drawn(path: DrivenPath, stops: Sequence[_Stop]) -> tuple[Waypoint, ...]:
-    """Returns waypoints so near to one another that straight lines between them follow the path."""
-    route = [_waypoint(path, stops[0])]
-    for before, stop in pairwise(stops):
-        count = max(math.ceil((stop.s - before.s) / _REPLAY_SPACING), 1)
-        here, there = _offset(path, before), _offset(path, stop)
-        for step in range(1, count + 1):
-            share = step / count
-            aside = here + (there - here) * 0.5 * (1.0 - math.cos(math.pi * share))
-            s = before.s + share * (stop.s - before.s)
-            route.append(path.at(s).beside(aside).waypoint(stop.speed))
-    return tuple(route)
-
-
-def _waypoint(path: DrivenPath, stop: _Stop) -> Waypoint:
-    return path.at(stop.s).beside(_offset(path, stop)).waypoint(stop.speed)

@@ -13,6 +13,7 @@ from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario.actor_models import ActorKind, actor_model
 from drivora_service.scenario.model import NpcWalker, Waypoint
 from drivora_service.search.genes import Block, Gene
+from drivora_service.search.space.alike import ABSENT, Decoded
 from drivora_service.search.space.driven_path import Pose
 from drivora_service.search.space.egos import PlacedEgo
 from drivora_service.search.space.layout import choice, number, presence
@@ -83,6 +84,12 @@ class WalkerDecoder:
             route=(_waypoint(begin, speed), _waypoint(end, speed)),
             start_time=float(values[self._start_time]),
         )
+
+    def decoded(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Decoded:
+        """Returns the walker and its appearance, as ``alike`` compares them."""
+        if not self.is_present(values):
+            return ABSENT
+        return self.walker(egos, values), self.start(egos, values)
 
     def _ego(self, egos: Sequence[PlacedEgo], values: FloatArray) -> PlacedEgo:
         return egos[int(values[self._path]) % len(egos)]

@@ -102,8 +102,20 @@ def _changes(document: ScenarioDocument, recording: Recording, begin: float) -> 
                 yield (*here, "start_time"), 0.0
             else:
                 yield from _moved(here, actor, recording.at(actor.id, begin))
+    yield from _weather(document, begin)
     if document.max_sim_time is not None:
         yield ("max_sim_time",), round(document.max_sim_time - begin, 1)
+
+
+def _weather(document: ScenarioDocument, begin: float) -> Iterator[Change]:
+    """Yields the changes by which the weather is that of the run from a time on."""
+    for index, change in enumerate(document.weather_changes):
+        here: Place = ("weather_changes", index)
+        if change.time > begin:
+            yield (*here, "time"), round(change.time - begin, 2)
+            continue
+        yield ("weather",), change.weather.model_dump(exclude_defaults=True)
+        yield here, REMOVED
 
 
 def _moved(
@@ -120,6 +132,8 @@ def _moved(
     elif len(actor.route) > 1:
         start["speed"] = round(speed, 2)
     yield (*here, "start_time"), 0.0
+    if here[0] != "ego_vehicles" and actor.joins:
+        yield (*here, "joins"), REMOVED
     yield (*here, "route", 0), start
     # An ego keeps its destination, others the place at which they end.
     for number in range(1, min(_passed(actor.route, (x, y)), len(actor.route) - 1)):

@@ -21,6 +21,8 @@ ACTORS = {
 }
 """Lists of actors in a document, with the name of one of them."""
 
+PATCHES = "friction_patches"
+
 _MOVING = ("ego_vehicles", "npc_vehicles", "npc_walkers")
 _KEPT = frozenset({"agent", "config_path"})
 """Keys of an ego that say which ADS is under test."""
@@ -28,13 +30,17 @@ _SETTINGS = ("seed", "stuck_after")
 
 
 def actors(document: ScenarioDocument, ego: str) -> list[Edit]:
-    """Returns the removal of each actor but the ego that fails, and of the background traffic."""
+    """Returns the removal of each actor but the ego that fails, of patches and of background."""
     content = content_of(document)
     found = [
         removal((key, index), f"without {name} {actor['id']}")
         for key, name in ACTORS.items()
         for index, actor in enumerate(content.get(key, ()))
         if not (key == "ego_vehicles" and actor["id"] == ego)
+    ]
+    found += [
+        removal((PATCHES, index), f"without patch {patch['id']}")
+        for index, patch in enumerate(content.get(PATCHES, ()))
     ]
     if "background_traffic" in content:
         found.append(removal(("background_traffic",), "without background traffic"))
@@ -45,6 +51,13 @@ def settings(document: ScenarioDocument) -> list[Edit]:
     """Returns the removal of each setting of weather, lights, region, extensions and run."""
     content = content_of(document)
     places: list[Place] = [("weather", name) for name in content.get("weather", ())]
+    places += [
+        ("weather_changes", index) for index in range(len(content.get("weather_changes", ())))
+    ]
+    for index, change in enumerate(content.get("weather_changes", ())):
+        places += [
+            ("weather_changes", index, "weather", name) for name in change.get("weather", ())
+        ]
     places += _light_places(content.get("traffic_lights", {}))
     places += [("extensions", name) for name in content.get("extensions", ())]
     places += [(name,) for name in _SETTINGS if name in content]
@@ -72,11 +85,11 @@ def waypoints(document: ScenarioDocument) -> list[Edit]:
 
 
 def details(document: ScenarioDocument) -> list[Edit]:
-    """Returns the removal of each optional value of an actor and of its waypoints."""
+    """Returns the removal of each optional value of an actor, its waypoints, and of a patch."""
     content = content_of(document)
     return [
         removal(place, f"{actor['id']} without {' '.join(map(str, place[2:]))}")
-        for key in ACTORS
+        for key in (*ACTORS, PATCHES)
         for index, actor in enumerate(content.get(key, ()))
         for place in _optional_places(actor, (key, index))
     ]

@@ -11,8 +11,8 @@ from drivora_service.suites.minimization.edits import Edit, Place, content_of
 DECIMALS = (0, 1, 2, 3)
 """Numbers of decimals that are tried, the most readable one first."""
 
-_KEPT = frozenset({"agent", "extensions", "step_length"})
-"""Keys below which values are not of the scenario, or are how it is simulated."""
+_KEPT = frozenset({"agent", "extensions", "reference_path", "step_length"})
+"""Keys below which values are not of the scenario, or are how it is simulated or judged."""
 
 
 def rounded(document: ScenarioDocument, decimals: int) -> list[Edit]:

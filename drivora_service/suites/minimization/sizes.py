@@ -11,11 +11,11 @@ from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.store.minimization_records import ScenarioSize
 from drivora_service.suites.minimization import removals
 from drivora_service.suites.minimization.edits import content_of
-from drivora_service.suites.minimization.removals import ACTORS
+from drivora_service.suites.minimization.removals import ACTORS, PATCHES
 from drivora_service.suites.minimization.rounding import numbers
 from drivora_service.suites.minimization.shortening import route_lengths
 
-_PLURALS = {"NPC vehicle": "NPC vehicles", "walker": "walkers", "obstacle": "obstacles"}
+_PLURALS = {"slippery patch": "slippery patches"}
 
 
 def size_of(document: ScenarioDocument, network: RoadNetwork, *, sim_time_s: float) -> ScenarioSize:
@@ -36,6 +36,7 @@ def size_of(document: ScenarioDocument, network: RoadNetwork, *, sim_time_s: flo
         walkers=named[2],
         obstacles=named[3],
         background=background,
+        patches=len(document.friction_patches),
         waypoints=sum(
             len(actor.route)
             for actors in (document.ego_vehicles, document.npc_vehicles, document.npc_walkers)
@@ -62,7 +63,7 @@ def differences(
 
 
 def _removed_actors(before: ScenarioDocument, after: ScenarioDocument) -> Iterator[str]:
-    for key, name in ACTORS.items():
+    for key, name in (*ACTORS.items(), (PATCHES, "slippery patch")):
         kept = {actor.id for actor in getattr(after, key)}
         gone = [actor.id for actor in getattr(before, key) if actor.id not in kept]
         if gone:

@@ -75,6 +75,9 @@ _FULL = {
     "npc_obstacles": [
         {"id": "cone", "model": "trafficcone01", "location": {"x": 20.0, "y": 157.0}, "length": 1}
     ],
+    "friction_patches": [
+        {"id": "ice", "location": {"x": 40.0, "y": 153.0}, "length": 9, "width": 3, "friction": 0.1}
+    ],
     "weather": {"wetness": 5, "fog_density": 10},
     "traffic_lights": {"green_time": 9, "junctions": {}},
     "background_traffic": {"count": 2},
@@ -119,7 +122,17 @@ SCENARIO_JSON = Harness(
     name="scenario-json",
     parse=_parse_json,
     seeds=_json_seeds,
-    words=('"replay"', '"sumo"', '"carla"', '"config_path"', '"density"', '"stuck_after"'),
+    words=(
+        '"replay"',
+        '"sumo"',
+        '"carla"',
+        '"config_path"',
+        '"density"',
+        '"stuck_after"',
+        '"joins"',
+        '"weather_changes"',
+        '"time"',
+    ),
 )
 SCENARIO_YAML = Harness(name="scenario-yaml", parse=_parse_yaml, seeds=_yaml_seeds)
 BATCH_LINE = Harness(name="batch-line", parse=_parse_line, seeds=_line_seeds)

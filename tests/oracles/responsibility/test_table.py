@@ -125,7 +125,7 @@ def test_the_competent_driver_brakes_as_published(
 def test_a_slippery_road_limits_the_braking() -> None:
     one, two, _ = follow(24.0, 10.0, 0.0)
     assert could_brake(one, two, 0)
-    one.grip = 0.3 * 9.81
+    one.grip = np.full(one.count, 0.3 * 9.81)
     assert not could_brake(one, two, 0)
 
 

@@ -17,6 +17,7 @@ from drivora_service.scenario.validation import scenario_problems
 from drivora_service.search.space.candidates import ScenarioCandidates, remembering_routes
 from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.simulation.free_motion import planned_motions
 from tests.search.space.seeds import NETWORKS, drawn, space_around
 
 AGENTS = frozenset({"idm"})
@@ -48,7 +49,9 @@ SPACES: dict[str, Callable[[], ScenarioSpace]] = {
 @pytest.mark.parametrize("name", sorted(SPACES))
 def test_what_is_remembered_changes_no_candidate(name: str) -> None:
     space = SPACES[name]()
-    candidates = ScenarioCandidates(space=space, networks=NETWORKS, agents=AGENTS)
+    candidates = ScenarioCandidates(
+        space=space, networks=NETWORKS, agents=AGENTS, motions=planned_motions
+    )
     random = np.random.default_rng(5)
     for values in space.genes.sample(random, 6):
         # Like a child of an evolutionary tester: most actors are those of its parent.

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from drivora_service.errors import SearchError
-from drivora_service.scenario.model import Waypoint
-from drivora_service.search.space.options import SpaceOptions
+from drivora_service.scenario.model import NpcBehavior, RouteEnd, Waypoint
+from drivora_service.search.space.options import SpaceOptions, VehicleStarts
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from tests.search.space.seeds import NETWORKS, seed_scenario
 
@@ -24,6 +24,36 @@ def test_all_that_is_out_of_range_is_named() -> None:
         "`egos` is 0; 1 to 64 are allowed; `vehicles` is -1; 0 to 500 are allowed; "
         "`slices` is 0; 1 to 50 are allowed; `reach` is 5; 10 to 1000 are allowed"
     )
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (SpaceOptions(starts=VehicleStarts.FIXED, egos=2), "`starts` is fixed, but `egos` is 2"),
+        (
+            SpaceOptions(slice_time=3.0, max_wait=5.0),
+            "`slice_time` and `max_wait` (5 s) are both given",
+        ),
+        (
+            SpaceOptions(behavior=NpcBehavior.SUMO, at_end=RouteEnd.STAY, max_deceleration=8.0),
+            "`behavior` is sumo, but `at_end`, `max_deceleration` cannot be told to SUMO",
+        ),
+        (
+            SpaceOptions(behavior=NpcBehavior.SUMO, slice_time=3.0),
+            "`behavior` is sumo, but `slice_time` cannot",
+        ),
+        (SpaceOptions(max_wait=61.0), "`max_wait` is 61; 0 to 60 are allowed"),
+        (SpaceOptions(slice_time=0.1), "`slice_time` is 0.1; 0.5 to 60 are allowed"),
+        (
+            SpaceOptions(max_lateral_acceleration=0.1),
+            "`max_lateral_acceleration` is 0.1; 0.5 to 12 are allowed",
+        ),
+    ],
+)
+def test_contradictions_are_named(options: SpaceOptions, said: str) -> None:
+    with pytest.raises(SearchError) as caught:
+        around("tee-town", options)
+    assert str(caught.value).startswith(said)
 
 
 def test_fewer_egos_than_the_seed_has() -> None:

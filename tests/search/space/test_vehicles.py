@@ -15,9 +15,9 @@ from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.networks.projection import lane_positions_near
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle
 from drivora_service.search.space.npc_paths import NpcPath
-from drivora_service.search.space.options import SpaceOptions
+from drivora_service.search.space.options import LEAST_SPEED, SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
-from drivora_service.search.space.vehicles import LEAST_SPEED, MODELS
+from drivora_service.search.space.vehicle_genes import MODELS
 from drivora_service.simulation.plan import plan_npc
 from tests.search.space.seeds import SHIPPED, block_named, drawn, space_around
 

@@ -113,7 +113,11 @@ def test_it_begins_with_four_random_scenarios() -> None:
 
 
 def test_a_crossover_exchanges_one_actor_of_two_scenarios() -> None:
-    told = play(random_cost, 200, parameters={"mutation_rate": 0.0, "restart_candidates": 50})
+    told = play(
+        random_cost,
+        200,
+        parameters={"mutation_rate": 0.0, "restart_candidates": 50, "local_mutates_all": False},
+    )
     crossed = [e for e in told if e.proposal.origin == "crossover" and len(e.proposal.parents) == 2]
     assert len(crossed) > 30
     for child in crossed:
@@ -310,13 +314,30 @@ def test_a_local_search_begins_with_copies_of_the_best_of_its_attempt() -> None:
     assert len(local) == 4
 
 
+def test_a_local_search_first_mutates_all_its_copies() -> None:
+    parameters = {"crossover_rate": 0.9, "mutation_rate": 0.1}
+    for seed in range(20):
+        told = play(lambda number, _: -float(number), 80, seed=seed, parameters=parameters)
+        groups = generations(told)
+        first = next(i for i, g in enumerate(groups) if "local" in g[0].proposal.origin)
+        best = max(groups[first - 1], key=lambda e: e.number)
+        copies = groups[first]
+        assert [e.proposal.origin for e in copies] == ["local mutation"] * 4
+        assert {e.proposal.parents for e in copies} == {(best.number,)}
+        assert {np.sum(e.proposal.values != best.proposal.values) for e in copies} == {1}
+        # From the second generation on it is bred: not every scenario changes.
+        assert any(len(group) < 4 for group in groups[first + 1 : first + 5])
+
+
 def test_a_local_search_mutates_one_and_a_half_times_as_often() -> None:
     def cost(number: int, proposal: Proposal) -> float:
         return 20.0 - proposal.generation - 0.01 * number
 
     counts = []
     for seed in range(150):
-        told = play(cost, 30, seed=seed, parameters={"crossover_rate": 0.0})
+        told = play(
+            cost, 30, seed=seed, parameters={"crossover_rate": 0.0, "local_mutates_all": False}
+        )
         groups = generations(told)
         first = next(i for i, g in enumerate(groups) if "local" in g[0].proposal.origin)
         if first + 1 < len(groups):

@@ -28,6 +28,7 @@ from drivora_service.search.testers.behavexplor.tester import (
     BEHAVEXPLOR,
     BehavexplorParameters,
     BehavexplorTester,
+    Failures,
 )
 from drivora_service.testing.gene_spaces import small_space
 from drivora_service.testing.tester_contract import TesterContract
@@ -225,6 +226,57 @@ def test_a_failure_rewards_the_parent_but_is_not_bred_from() -> None:
     assert play.tester.model.archived == 1
 
 
+def verdict(oracle: str, **fields: Any) -> Verdict:
+    given = {"outcome": Outcome.VIOLATED, "message": "", "time": 1.0, **fields}
+    return Verdict(oracle=oracle, ego="ego_0", **given)
+
+
+HIT_BY_ANOTHER = verdict("collision", at_fault=False)
+NOT_ARRIVED = verdict("destination", evidence={"reason": "timeout"})
+
+
+@pytest.mark.parametrize("why", [HIT_BY_ANOTHER, NOT_ARRIVED], ids=["hit", "not arrived"])
+@pytest.mark.parametrize("failures", list(Failures))
+def test_hits_by_anothers_fault_and_egos_that_do_not_arrive_are_no_seeds(
+    why: Verdict, failures: Failures
+) -> None:
+    play = begun(failures=failures)
+    play.ask()
+    play.tell("bbbb", 0.0, verdicts=(verdict("speeding"), why))
+    (parent,) = play.tester.corpus
+    assert play.tester.model.archived == 1
+    play.ask()
+    play.tell("aaaa", 0.0, verdicts=(why,))
+    assert (parent.children, parent.successes) == (2, 2 if failures is Failures.EVERY else 0)
+    assert play.tester.corpus == [parent]
+
+
+@pytest.mark.parametrize("why", [HIT_BY_ANOTHER, NOT_ARRIVED], ids=["hit", "not arrived"])
+def test_drawn_candidates_are_barred_alike(why: Verdict) -> None:
+    play = Play(BehavexplorParameters(initial=1))
+    play.ask()
+    play.tell(verdicts=(why,))
+    assert play.tester.corpus == []
+    assert [p.origin for p in play.ask(2)] == ["initial"] * 2
+
+
+@pytest.mark.parametrize(
+    "passed",
+    [
+        verdict("destination", evidence={"reason": "late"}),
+        verdict("collision", outcome=Outcome.PASSED),
+        verdict("destination", outcome=Outcome.NOT_MEASURABLE),
+        verdict("speeding", at_fault=True),
+    ],
+    ids=["late", "no collision", "not started", "another oracle"],
+)
+def test_nothing_else_bars_a_candidate(passed: Verdict) -> None:
+    play = begun()
+    play.ask()
+    play.tell("aaaa", 0.4, verdicts=(passed,))
+    assert [seed.number for seed in play.tester.corpus] == [0, 1]
+
+
 def test_failures_are_bred_from_on_demand() -> None:
     play = begun(breed_failures=True)
     play.ask()
@@ -383,5 +435,5 @@ def test_the_reference_tells_every_parameter_and_its_default(
     assert documented == {name: _shown(value) for name, value in defaults.items()}
 
 
-def _shown(value: float | bool) -> str:
-    return str(value).lower() if isinstance(value, bool) else f"{value:.4g}"
+def _shown(value: float | bool | str) -> str:
+    return str(value).lower() if isinstance(value, bool | str) else f"{value:.4g}"

@@ -17,7 +17,13 @@ from drivora_service.search.testers.behavexplor.energy import (
 
 
 def seed(energy: float = 1.0) -> Seed:
-    return Seed(number=0, values=np.zeros(1), degree=0.5, energy=energy)
+    return Seed(
+        number=0,
+        values=np.zeros(1),
+        without_effect=np.zeros(1, dtype=np.bool_),
+        degree=0.5,
+        energy=energy,
+    )
 
 
 @pytest.mark.parametrize(

@@ -171,3 +171,30 @@ def test_sizes_and_differences_are_those_of_the_documents() -> None:
         "traffic_lights.junctions.c3, seed.",
         "The numbers have 23 digits instead of 30.",
     )
+
+
+def test_patches_are_left_out_and_rounded_as_actors_are() -> None:
+    plain = read(EXAMPLES / "signalised-grid.json")
+    place = plain.ego_vehicles[0].route[0]
+    ice = {
+        "id": "ice",
+        "location": {"x": place.x, "y": place.y, "yaw": 12.345, "z": 0.0},
+        "length": 12.3456,
+        "width": 3.0,
+        "friction": 0.123456,
+    }
+    document = ScenarioDocument.model_validate({**content_of(plain), "friction_patches": [ice]})
+    ego = document.ego_vehicles[0].id
+    (gone,) = (edit for edit in removals.actors(document, ego) if "ice" in edit.label)
+    assert edited(document, [gone]) == plain
+    labels = [edit.label for edit in removals.details(document)]
+    assert {"ice without location yaw", "ice without location z"} <= set(labels)
+    assert not any("friction" in label or "length" in label for label in labels)
+    (friction,) = (edit for edit in rounded(document, 2) if edit.changes[0][0][-1] == "friction")
+    rounder = edited(document, [friction])
+    assert rounder is not None
+    assert rounder.friction_patches[0].friction == 0.12
+    network = checker().network_of(document)
+    assert size_of(document, network, sim_time_s=9.0).patches == 1
+    assert size_of(plain, network, sim_time_s=9.0).patches == 0
+    assert "1 slippery patch removed: ice." in differences(document, plain, network)

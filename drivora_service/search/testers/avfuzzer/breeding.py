@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from drivora_service.feedback.avfuzzer import SAFETY_MARGIN
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.search.components import Mutation, Selection
 from drivora_service.search.crossover import exchange_block
 from drivora_service.search.genes import GeneSpace
+from drivora_service.search.redrawing import Redrawing, without_effect
 from drivora_service.search.tester import Evaluation, Proposal
 
 
@@ -23,11 +24,13 @@ class Individual:
         values: (d,) genes.
         cost: Metres, to be minimised; infinite if not measurable.
         number: Number of its evaluation.
+        without_effect: (d,) genes without effect in its run.
     """
 
     values: FloatArray
     cost: float
     number: int
+    without_effect: BoolArray
 
 
 Population = tuple[Individual, ...]
@@ -41,11 +44,13 @@ class Offspring:
         values: (d,) genes.
         origins: Names of the operators that changed it, in order.
         parents: Individuals from which it has genes; it replaces the first.
+        redrawn: Number of mutants that were drawn again for it.
     """
 
     values: FloatArray
     origins: tuple[str, ...]
     parents: Population
+    redrawn: int = 0
 
     @property
     def known(self) -> Individual | None:
@@ -64,6 +69,7 @@ def individual(evaluation: Evaluation) -> Individual:
         values=evaluation.proposal.values,
         cost=math.inf if cost is None else cost,
         number=evaluation.number,
+        without_effect=without_effect(evaluation),
     )
 
 
@@ -82,6 +88,7 @@ class Breeding:
         mutation: Changes a scenario.
         selection: Draws the parents.
         crossover_rate: Probability with which a pair exchanges an actor.
+        redrawing: Draws mutants again that could not change the run.
     """
 
     space: GeneSpace
@@ -89,6 +96,7 @@ class Breeding:
     mutation: Mutation
     selection: Selection
     crossover_rate: float
+    redrawing: Redrawing
 
     def select(self, population: Population) -> Population:
         """Draws as many parents as the population has members, with repetition."""
@@ -114,6 +122,13 @@ class Breeding:
             for child, changes in zip(offspring, mutated, strict=True)
         )
 
+    def mutate_all(self, parents: Population) -> tuple[Offspring, ...]:
+        """Mutates every scenario, and crosses none."""
+        return tuple(
+            self._mutate(Offspring(values=one.values, origins=(), parents=(one,)))
+            for one in parents
+        )
+
     def _cross(self, one: Offspring, other: Offspring) -> tuple[Offspring, Offspring]:
         values = exchange_block(one.values, other.values, self.space, self.random)
         return (
@@ -122,7 +137,13 @@ class Breeding:
         )
 
     def _mutate(self, one: Offspring) -> Offspring:
-        return _changed(one, self.mutation.mutate(one.values, self.space, self.random), "mutation")
+        parent = one.parents[0]
+        values, redrawn = self.redrawing.draw(
+            lambda: self.mutation.mutate(one.values, self.space, self.random),
+            parent.values,
+            parent.without_effect,
+        )
+        return replace(_changed(one, values, "mutation"), redrawn=redrawn)
 
 
 def _changed(
@@ -140,4 +161,5 @@ def proposal(offspring: Offspring, generation: int, prefix: str = "") -> Proposa
         origin=prefix + " and ".join(offspring.origins),
         generation=generation,
         parents=tuple(parent.number for parent in offspring.parents),
+        redrawn=offspring.redrawn,
     )

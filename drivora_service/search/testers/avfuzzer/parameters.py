@@ -7,6 +7,8 @@ from typing import Annotated
 
 from pydantic import Field
 
+from drivora_service.search.redrawing import ATTEMPTS
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AvfuzzerParameters:
@@ -24,6 +26,10 @@ class AvfuzzerParameters:
             (code: 2).
         local_generations: Number of generations of a local search (code: 5).
         local_factor: Mutation rate of a local search over that of the search (code: 1.5).
+        local_mutates_all: Whether a local search begins by mutating all its copies (code: yes); if
+            not, its first generation is bred as every other (paper).
+        redraws: Number of mutants that are drawn again for one candidate, at most, as they could
+            not change the run of any ego (ours; paper and code: 0).
     """
 
     population: Annotated[int, Field(ge=2)] = 4
@@ -34,3 +40,5 @@ class AvfuzzerParameters:
     local_after: Annotated[int, Field(ge=0)] = 2
     local_generations: Annotated[int, Field(ge=0)] = 5
     local_factor: Annotated[float, Field(ge=0.0)] = 1.5
+    local_mutates_all: bool = True
+    redraws: Annotated[int, Field(ge=0)] = ATTEMPTS

@@ -9,7 +9,7 @@ possible from all tried candidates. A new best candidate starts a local search a
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 
 import numpy as np
 
@@ -20,11 +20,13 @@ from drivora_service.search.components import Components
 from drivora_service.search.distance import farthest
 from drivora_service.search.mutation import RedrawSlice
 from drivora_service.search.plugin import TesterPlugin
+from drivora_service.search.redrawing import Redrawing
 from drivora_service.search.selection import Roulette
 from drivora_service.search.tester import Evaluation, Proposal, TesterContext
 from drivora_service.search.testers.avfuzzer.breeding import (
     Breeding,
     Individual,
+    Offspring,
     Population,
     best_of,
     individual,
@@ -51,6 +53,7 @@ class AvfuzzerSearch:
             mutation=components.mutation or RedrawSlice(),
             selection=components.selection or Roulette(),
             crossover_rate=parameters.crossover_rate,
+            redrawing=Redrawing.of(context, parameters.redraws),
         )
         self._generation = 0
         self._past: dict[int, FloatArray] = {}
@@ -71,7 +74,8 @@ class AvfuzzerSearch:
         bests = [best.cost]
         while not self._has_stalled(bests):
             parents = self._breeding.select(population)
-            population = yield from self._next(parents, settings.mutation_rate)
+            offspring = self._breeding.breed(parents, settings.mutation_rate)
+            population = yield from self._run(offspring)
             found = best_of(population)
             bests.append(found.cost)
             if found.cost < best.cost:
@@ -94,14 +98,17 @@ class AvfuzzerSearch:
         rate = settings.mutation_rate * settings.local_factor
         population: Population = (best,) * settings.population
         for number in range(settings.local_generations):
-            parents = population if number == 0 else self._breeding.select(population)
-            population = yield from self._next(parents, rate, "local ")
+            if number == 0 and settings.local_mutates_all:
+                offspring = self._breeding.mutate_all(population)
+            else:
+                parents = population if number == 0 else self._breeding.select(population)
+                offspring = self._breeding.breed(parents, rate)
+            population = yield from self._run(offspring, "local ")
             best = best_of((best, *population))
         return best
 
-    def _next(self, parents: Population, mutation_rate: float, prefix: str = "") -> Step:
-        """Breeds a generation and runs those that changed."""
-        offspring = self._breeding.breed(parents, mutation_rate)
+    def _run(self, offspring: Sequence[Offspring], prefix: str = "") -> Step:
+        """Runs those of a generation that changed."""
         known = [child.known for child in offspring]
         if all(same is not None for same in known):
             # A mutation that changes nothing must not let the search loop without a run.

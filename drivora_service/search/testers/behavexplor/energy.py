@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 from drivora_service.search.selection import drawn_by
 
 INITIAL_GAIN = INITIAL_NOVELTY = 0.5
@@ -39,6 +39,7 @@ class Seed:
     Attributes:
         number: Number of its evaluation.
         values: (d,) genes.
+        without_effect: (d,) genes without effect in its run.
         degree: Degree of violation, 0..1, smaller is nearer to a failure.
         energy: Not negative.
         children: Number of told mutants of it.
@@ -47,6 +48,7 @@ class Seed:
 
     number: int
     values: FloatArray
+    without_effect: BoolArray
     degree: float
     energy: float
     children: int = 0

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from enum import StrEnum
+from functools import partial
 from typing import Annotated
 
 import numpy as np
@@ -17,8 +19,10 @@ from drivora_service.errors import SearchError
 from drivora_service.feedback.behavexplor import DEGREE, WINDOWS
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.arrays import FloatArray
+from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin
+from drivora_service.search.redrawing import ATTEMPTS, Redrawing, without_effect
 from drivora_service.search.tester import Evaluation, Proposal, TesterContext
 from drivora_service.search.testers.behavexplor.behaviour_model import BehaviourModel
 from drivora_service.search.testers.behavexplor.energy import (
@@ -33,6 +37,19 @@ from drivora_service.search.testers.turn import Turn
 
 _WORST = 1.0
 """Degree of violation if it is not measurable: the farthest from a failure."""
+
+
+class Failures(StrEnum):
+    """The runs that count as failures when a seed is rewarded for its mutants.
+
+    None of them joins the corpus or the archive, whichever is chosen.
+    """
+
+    EVERY = "every"
+    """As in the public code: also every collision, whoever is at fault, and every ego that did not
+    reach its destination."""
+    CAMPAIGN = "campaign"
+    """The failures of the campaign alone."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +69,11 @@ class BehavexplorParameters:
         spread: Standard deviation of all other magnitudes as a share of their range (ours; in the
             paper's space there are none).
         redraw_cost: Energy that a redraw takes from its parent (code: 0.1).
-        breed_failures: Whether candidates that failed become seeds, too (paper and code: no).
+        failures: What rewards the parent as a failure; see :class:`Failures`.
+        breed_failures: Whether candidates that failed become seeds, too (paper and code: no; the
+            authors' later code: yes).
+        redraws: Number of mutants that are drawn again for one candidate, at most, as they could
+            not change the run of any ego (ours; paper and code: 0).
     """
 
     initial: Annotated[int, Field(ge=1)] = 4
@@ -65,7 +86,9 @@ class BehavexplorParameters:
     speed_sigma: Annotated[float, Field(gt=0.0)] = 6.0
     spread: Annotated[float, Field(ge=0.0)] = 1.0 / 3.0
     redraw_cost: Annotated[float, Field(ge=0.0)] = 0.1
+    failures: Failures = Failures.EVERY
     breed_failures: bool = False
+    redraws: Annotated[int, Field(ge=0)] = ATTEMPTS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -83,12 +106,14 @@ class _Outcome:
     Attributes:
         degree: Degree of violation, 0..1.
         windows: (n, c), n >= 1; ``None`` if the ego's behaviour is not known.
-        failed: Whether an oracle was violated.
+        failed: Whether the campaign counts it as a failure.
+        is_barred: Whether it failed, an ego collided, or an ego did not reach its destination.
     """
 
     degree: float
     windows: FloatArray | None
     failed: bool
+    is_barred: bool
 
 
 class BehavexplorTester:
@@ -112,6 +137,7 @@ class BehavexplorTester:
             spread=parameters.spread,
         )
         self._selection = components.selection or EnergySelection()
+        self._redrawing = Redrawing.of(context, parameters.redraws)
         self._turn = Turn()
         self._open: deque[_Open] = deque()
         self._told = 0
@@ -164,17 +190,27 @@ class BehavexplorTester:
             parent = self.corpus[index]
             is_redraw = parent.energy <= self._parameters.noise_energy
             if is_redraw:
-                values = self._space.sample(self._random)
+                values, redrawn = self._space.sample(self._random), 0
             else:
-                values = self._mutation.mutate(parent.values, self._space, self._random)
+                values, redrawn = self._redrawing.draw(
+                    partial(self._mutation.mutate, parent.values, self._space, self._random),
+                    parent.values,
+                    parent.without_effect,
+                )
             self._open.append(_Open(parent=parent, is_redraw=is_redraw))
             origin = "redraw" if is_redraw else "mutation"
-            proposals.append(self._proposal(values, origin, parent.number))
+            proposals.append(self._proposal(values, origin, parent.number, redrawn=redrawn))
         return tuple(proposals)
 
-    def _proposal(self, values: FloatArray, origin: str, *parents: int) -> Proposal:
+    def _proposal(
+        self, values: FloatArray, origin: str, *parents: int, redrawn: int = 0
+    ) -> Proposal:
         return Proposal(
-            values=values, origin=origin, generation=self.model.fits, parents=tuple(parents)
+            values=values,
+            origin=origin,
+            generation=self.model.fits,
+            parents=tuple(parents),
+            redrawn=redrawn,
         )
 
     def _tell_drawn(self, evaluation: Evaluation, outcome: _Outcome) -> None:
@@ -196,7 +232,10 @@ class BehavexplorTester:
         if is_redraw:
             parent.spend(self._parameters.redraw_cost)
         else:
-            parent.learn(is_success=outcome.failed or is_new, gain=gain, novelty=novelty)
+            failed = (
+                outcome.is_barred if self._parameters.failures is Failures.EVERY else outcome.failed
+            )
+            parent.learn(is_success=failed or is_new, gain=gain, novelty=novelty)
         if windows is None or not self._may_breed(outcome):
             return
         if is_new or gain > 0.0:
@@ -205,13 +244,14 @@ class BehavexplorTester:
             self.model.extend([windows])
 
     def _may_breed(self, outcome: _Outcome) -> bool:
-        return self._parameters.breed_failures or not outcome.failed
+        return self._parameters.breed_failures or not outcome.is_barred
 
 
 def _seed(evaluation: Evaluation, outcome: _Outcome, energy: float) -> Seed:
     return Seed(
         number=evaluation.number,
         values=evaluation.proposal.values.copy(),
+        without_effect=without_effect(evaluation),
         degree=outcome.degree,
         energy=energy,
     )
@@ -225,7 +265,7 @@ def _read(evaluation: Evaluation) -> _Outcome:
     """
     measurement = evaluation.measurement
     if measurement is None:
-        return _Outcome(degree=_WORST, windows=None, failed=bool(evaluation.violations))
+        return _Outcome(degree=_WORST, windows=None, failed=False, is_barred=False)
     if DEGREE not in measurement.objectives or WINDOWS not in measurement.features:
         raise SearchError(
             f"evaluation {evaluation.number} has no {DEGREE!r} or no {WINDOWS!r}; the tester "
@@ -237,6 +277,16 @@ def _read(evaluation: Evaluation) -> _Outcome:
         degree=_WORST if degree is None else degree,
         windows=np.array(rows, dtype=np.float64) if rows else None,
         failed=bool(evaluation.violations),
+        is_barred=bool(evaluation.violations) or any(map(_bars, evaluation.verdicts)),
+    )
+
+
+def _bars(verdict: Verdict) -> bool:
+    """Returns whether a verdict keeps a run out of the corpus, whoever is at fault."""
+    return verdict.outcome is Outcome.VIOLATED and (
+        verdict.oracle == "collision"
+        # An ego that came too late has reached its destination.
+        or (verdict.oracle == "destination" and verdict.evidence.get("reason") != "late")
     )
 
 

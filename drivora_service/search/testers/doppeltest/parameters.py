@@ -7,6 +7,8 @@ from typing import Annotated
 
 from pydantic import Field
 
+from drivora_service.search.redrawing import ATTEMPTS
+
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
@@ -24,6 +26,8 @@ class DoppelTestParameters:
         add_ego: Probability with which it adds one; else it redraws place and time of a start.
         remove_walker: Probability with which a mutation of the walkers removes one.
         add_walker: Probability with which it adds one; else it redraws how and when one walks.
+        redraws: Number of mutants that are drawn again for one candidate, at most, as they could
+            not change the run of any ego (ours; paper and code: 0).
     """
 
     population: Annotated[int, Field(ge=2)] = 10
@@ -35,3 +39,4 @@ class DoppelTestParameters:
     add_ego: Share = 0.3
     remove_walker: Share = 0.2
     add_walker: Share = 0.2
+    redraws: Annotated[int, Field(ge=0)] = ATTEMPTS

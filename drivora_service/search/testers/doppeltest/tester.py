@@ -9,9 +9,10 @@ import numpy as np
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import FeedbackChoice
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.search.components import Components, Mutation, Selection
 from drivora_service.search.plugin import TesterPlugin
+from drivora_service.search.redrawing import Redrawing, without_effect
 from drivora_service.search.selection import Truncation
 from drivora_service.search.tester import Evaluation, Proposal, TesterContext
 from drivora_service.search.testers.doppeltest.chromosome import Chromosome
@@ -35,11 +36,13 @@ class Individual:
         values: (d,) genes.
         objectives: Objectives of the feedback, then the negated number of new violations; NaN is
             not measurable.
+        without_effect: (d,) genes without effect in its run.
     """
 
     number: int
     values: FloatArray
     objectives: tuple[float, ...]
+    without_effect: BoolArray
 
 
 class DoppelTest:
@@ -66,6 +69,7 @@ class DoppelTest:
             chromosome=self._chromosome, parameters=parameters
         )
         self._crossover = DoppelTestCrossover(chromosome=self._chromosome, parameters=parameters)
+        self._redrawing = Redrawing.of(context, parameters.redraws)
         self._selection: Selection = components.selection or Truncation()
         self._proposed: set[bytes] = set()
         self.population: list[Individual] = []
@@ -103,25 +107,32 @@ class DoppelTest:
             origin, make = "crossover", self._cross
         else:
             origin, make = "mutation", self._mutate
+        redrawn = 0
         for _ in range(_ATTEMPTS):
-            values, parents = make()
+            values, parents, again = make()
+            redrawn += again
             if values.tobytes() not in self._proposed:
                 break
         else:
             values = self._changed(values)
         self._proposed.add(values.tobytes())
         numbers = tuple(parent.number for parent in parents)
-        return Proposal(values=values, origin=origin, generation=generation, parents=numbers)
+        return Proposal(
+            values=values, origin=origin, generation=generation, parents=numbers, redrawn=redrawn
+        )
 
-    def _cross(self) -> tuple[FloatArray, list[Individual]]:
+    def _cross(self) -> tuple[FloatArray, list[Individual], int]:
         one, other = self._random.permutation(len(self.population))[:2]
         parents = [self.population[one], self.population[other]]
         values = self._crossover.cross(parents[0].values, parents[1].values, self._random)
-        return self._space.clip(values), parents
+        return self._space.clip(values), parents, 0
 
-    def _mutate(self) -> tuple[FloatArray, list[Individual]]:
+    def _mutate(self) -> tuple[FloatArray, list[Individual], int]:
         parent = self.population[self._random.integers(len(self.population))]
-        return self._changed(parent.values), [parent]
+        values, redrawn = self._redrawing.draw(
+            lambda: self._changed(parent.values), parent.values, parent.without_effect
+        )
+        return values, [parent], redrawn
 
     def _changed(self, values: FloatArray) -> FloatArray:
         return self._space.clip(self._mutation.mutate(values, self._space, self._random))
@@ -144,6 +155,7 @@ class DoppelTest:
                     number=evaluation.number,
                     values=values,
                     objectives=(*measured, 0.0 - new),
+                    without_effect=without_effect(evaluation),
                 )
             )
         return individuals

@@ -2202,9 +2202,19 @@ export interface components {
             at_fault: number;
             /**
              * Avoidable
-             * @description Those of them with one that a careful and competent driver avoids.
+             * @description Those of them with one that a careful and competent driver avoids: the target.
              */
             avoidable: number;
+            /**
+             * Avoidable Kinds
+             * @description Kinds of those failures that are the fault of an ego and avoidable.
+             */
+            avoidable_kinds: number;
+            /**
+             * Avoidable Situations
+             * @description Situations of failures that are the fault of an ego and avoidable.
+             */
+            avoidable_situations: number;
             /**
              * Budget
              * @description Simulations that it could make; `None`: those that it made.
@@ -2226,6 +2236,16 @@ export interface components {
              */
             failing: number;
             /**
+             * First Avoidable
+             * @description The same up to the first one that is the fault of an ego and avoidable.
+             */
+            first_avoidable: number | null;
+            /**
+             * First Avoidable S
+             * @description The same up to the first one that is the fault of an ego and avoidable.
+             */
+            first_avoidable_s?: number | null;
+            /**
              * First Failure
              * @description Simulations up to the first failure, itself included; `None`: none found.
              */
@@ -2241,13 +2261,18 @@ export interface components {
              */
             found: number[];
             /**
+             * Found Avoidable
+             * @description The same for those that are the fault of an ego and avoidable.
+             */
+            found_avoidable: number[];
+            /**
              * Gene Coverage
              * @description Share of all combinations of two genes' levels that were tried; with several seed scenarios the mean of theirs.
              */
             gene_coverage: number;
             /**
              * Groups
-             * @description Groups of similar failures; `None` if they were not grouped.
+             * @description Groups of similar failures among its own; `None` if they were not grouped.
              */
             groups: number | null;
             /**
@@ -2261,6 +2286,11 @@ export interface components {
              */
             kinds: number;
             /**
+             * Law Coverage
+             * @description Share of the ways to violate the traffic laws that judged its runs which some run showed (`studies.law_coverage`); `None`: no law judged them.
+             */
+            law_coverage?: number | null;
+            /**
              * Method
              * @description What is compared: campaigns of one method are repetitions of one another.
              */
@@ -2270,6 +2300,21 @@ export interface components {
              * @description Share of the network's drivable lanes, by length, on which actors were placed or planned; `None`: not known (see `studies.road_coverage`).
              */
             network_coverage?: number | null;
+            /**
+             * Not At Fault
+             * @description Simulations without a failure, but with a violation at another actor's fault.
+             */
+            not_at_fault: number;
+            /**
+             * Not Judged
+             * @description Simulations that failed by oracles alone that do not attribute fault.
+             */
+            not_judged: number;
+            /**
+             * Not Measurable
+             * @description Those of them without such a one, but with one of which the run does not tell whether that driver avoids it.
+             */
+            not_measurable: number;
             /**
              * Oracles
              * @description Different oracles violated; collisions count by the other actor: an ego, an NPC vehicle, background traffic, a walker or an obstacle.
@@ -2285,6 +2330,11 @@ export interface components {
              * @description The method's own time over that of the runs.
              */
             readonly own_share: number;
+            /**
+             * Redrawn Share
+             * @description Mutants that were drawn again, as they could not change the run of any ego, over these and all candidates with a parent; `None` without any.
+             */
+            redrawn_share?: number | null;
             /**
              * Scenario
              * @description Name of the seed scenario; only campaigns of the same one are compared.
@@ -2307,9 +2357,9 @@ export interface components {
             simulations: number;
             /**
              * Situations
-             * @description Situations in which failures occurred (`studies.situations`); `None` if they were not counted.
+             * @description Situations in which failures occurred (`studies.situations`).
              */
-            situations: number | null;
+            situations: number;
             /**
              * Time Limit S
              * @description Seconds after which evaluations were left out, for a comparison at equal time; `None`: none were.
@@ -2320,6 +2370,11 @@ export interface components {
              * @description Those of them in which that driver avoids none.
              */
             unavoidable: number;
+            /**
+             * Unchanged Share
+             * @description Simulated candidates with the run of a parent, as far as the egos are concerned, over all with a parent; `None`: without any, or not recorded.
+             */
+            unchanged_share?: number | null;
             /**
              * Undetermined
              * @description Simulations in which the fault of no failure can be determined.
@@ -2829,6 +2884,12 @@ export interface components {
              * @description A vehicle model.
              */
             model: string;
+            /**
+             * Reference Path
+             * @description The path of an ego in another scenario, in ascending time, at least two poses; between them it is interpolated. The run does not follow it; the oracle `non_optimal_decision` compares the ego's path with it.
+             * @default []
+             */
+            reference_path: components["schemas"]["ReferencePoseDocument"][];
             /**
              * Route
              * @description Start, destination, and the waypoints between them in order.
@@ -3581,6 +3642,34 @@ export interface components {
          * @enum {string}
          */
         Frame: "sumo" | "carla";
+        /**
+         * FrictionPatchDocument
+         * @description A slippery rectangle of the road.
+         */
+        FrictionPatchDocument: {
+            /**
+             * Friction
+             * @description Friction coefficient on it; where the road itself has less, that counts.
+             */
+            friction: number;
+            /**
+             * Id
+             * @description Unique among all actors and patches.
+             */
+            id: string;
+            /**
+             * Length
+             * @description Along its heading.
+             */
+            length: number;
+            /** @description Its centre; `yaw` is the direction of its length. */
+            location: components["schemas"]["LocationDocument"];
+            /**
+             * Width
+             * @description Across its heading.
+             */
+            width: number;
+        };
         /**
          * Gene
          * @description A number of a candidate.
@@ -4644,15 +4733,38 @@ export interface components {
          */
         NpcVehicleDocument: {
             /**
+             * @description leave: it leaves the road at its last waypoint; stay: it brakes to a standstill there, and stays.
+             * @default leave
+             */
+            at_end: components["schemas"]["RouteEnd"];
+            /**
              * @description replay: follows its waypoints regardless of other actors; reactive: follows them and brakes for actors ahead; sumo: SUMO's car-following and lane-changing along the route.
              * @default reactive
              */
             behavior: components["schemas"]["NpcBehavior"];
             /**
+             * Deceleration
+             * @description Braking for its waypoints, bends and end, at most what its model and the grip of the road allow. Without it 40 % of its model's.
+             * @default null
+             */
+            deceleration: number | null;
+            /**
              * Id
              * @description Unique among all actors.
              */
             id: string;
+            /**
+             * Joins
+             * @description Whether it is added to the running episode at start_time, behind all other actors, instead of being one of its actors from the beginning.
+             * @default false
+             */
+            joins: boolean;
+            /**
+             * Lateral Acceleration
+             * @description Lateral acceleration in bends and lane changes, at most what the grip of the road allows. Without it 60 % of the grip in bends, and lane changes of 4 s.
+             * @default null
+             */
+            lateral_acceleration: number | null;
             /**
              * Model
              * @description A vehicle model.
@@ -4662,7 +4774,7 @@ export interface components {
              * Route
              * @description Waypoints in order; a single one is a parked vehicle.
              */
-            route: components["schemas"]["WaypointDocument"][];
+            route: components["schemas"]["NpcWaypointDocument"][];
             /**
              * Start Time
              * @description Absent before this time.
@@ -4681,6 +4793,12 @@ export interface components {
              */
             id: string;
             /**
+             * Joins
+             * @description Whether it is added to the running episode at start_time, behind all other actors, instead of being one of its actors from the beginning.
+             * @default false
+             */
+            joins: boolean;
+            /**
              * Model
              * @description A walker model.
              */
@@ -4698,6 +4816,46 @@ export interface components {
             start_time: number;
         };
         /**
+         * NpcWaypointDocument
+         * @description A waypoint of an NPC vehicle.
+         */
+        NpcWaypointDocument: {
+            /**
+             * Speed
+             * @description Desired speed on the way to this place; for the first place, at the start. Without it the speed limit of the lane. No effect on egos.
+             * @default null
+             */
+            speed: number | null;
+            /**
+             * Wait
+             * @description How long the vehicle stands at this place. Without it, it drives through.
+             * @default null
+             */
+            wait: number | null;
+            /**
+             * X
+             * @description East.
+             */
+            x: number;
+            /**
+             * Y
+             * @description North (frame sumo) or south (frame carla).
+             */
+            y: number;
+            /**
+             * Yaw
+             * @description Heading: counter-clockwise from east (frame sumo), clockwise (frame carla). Without it, that of the path; for objects without a path, that of the nearest lane.
+             * @default null
+             */
+            yaw: number | null;
+            /**
+             * Z
+             * @description Height. Moving actors follow the heights of the lanes; for objects that stand still, it selects the level of a bridge.
+             * @default null
+             */
+            z: number | null;
+        };
+        /**
          * Oracle
          * @description An oracle that judges every run.
          */
@@ -4709,13 +4867,23 @@ export interface components {
             definition: string;
             /** Description */
             description: string;
+            /**
+             * File
+             * @description The user's law file that it is from; else empty.
+             */
+            file: string;
+            /**
+             * Formula
+             * @description Its formula, if it is a traffic law; else empty.
+             */
+            formula: string;
             /** Installed */
             installed: boolean;
             /** Name */
             name: string;
             /**
              * Package
-             * @description Its package; empty for a built-in oracle.
+             * @description Its package; empty for a built-in oracle and a law.
              */
             package: string;
             /**
@@ -5002,7 +5170,7 @@ export interface components {
          * @description The part of a scenario that a block of genes varies.
          * @enum {string}
          */
-        Part: "ego" | "vehicle" | "walker" | "obstacle" | "weather" | "lights";
+        Part: "ego" | "vehicle" | "walker" | "obstacle" | "patch" | "weather" | "lights";
         /**
          * Perception
          * @description How many actors an ego perceived by step, while its agent was asked.
@@ -5161,6 +5329,43 @@ export interface components {
             ready: boolean;
         };
         /**
+         * ReferencePoseDocument
+         * @description The pose of an ego at a time, in a run that later runs are compared with.
+         */
+        ReferencePoseDocument: {
+            /**
+             * Speed
+             * @description Speed over ground.
+             */
+            speed: number;
+            /**
+             * Time
+             * @description Simulation time.
+             */
+            time: number;
+            /**
+             * X
+             * @description East, of the box centre.
+             */
+            x: number;
+            /**
+             * Y
+             * @description North (frame sumo) or south (frame carla).
+             */
+            y: number;
+            /**
+             * Yaw
+             * @description Heading: counter-clockwise from east (frame sumo), clockwise (frame carla).
+             */
+            yaw: number;
+            /**
+             * Z
+             * @description Height. Without it 0.
+             * @default null
+             */
+            z: number | null;
+        };
+        /**
          * RegionDocument
          * @description A rectangle; positions outside it are rejected.
          */
@@ -5209,6 +5414,12 @@ export interface components {
          * @enum {string}
          */
         Role: "ego" | "npc_vehicle" | "npc_walker" | "npc_obstacle" | "background";
+        /**
+         * RouteEnd
+         * @description What an NPC vehicle does at the end of its route.
+         * @enum {string}
+         */
+        RouteEnd: "leave" | "stay";
         /**
          * Run
          * @description A run and, once it has ended, its results.
@@ -5645,6 +5856,12 @@ export interface components {
              * @default sumo
              */
             frame: components["schemas"]["Frame"];
+            /**
+             * Friction Patches
+             * @description Slippery places of the road.
+             * @default []
+             */
+            friction_patches: components["schemas"]["FrictionPatchDocument"][];
             /** @description Road network and region. */
             map_region: components["schemas"]["MapRegionDocument"];
             /**
@@ -5700,6 +5917,12 @@ export interface components {
             version: "1.0";
             /** @description Weather; clear by default. */
             weather?: components["schemas"]["WeatherDocument"];
+            /**
+             * Weather Changes
+             * @description Changes of the weather during the run, in the order of their times.
+             * @default []
+             */
+            weather_changes: components["schemas"]["WeatherChangeDocument"][];
         };
         /**
          * ScenarioKind
@@ -5749,6 +5972,12 @@ export interface components {
             egos: number;
             /** Obstacles */
             obstacles: number;
+            /**
+             * Patches
+             * @description Slippery patches of the road.
+             * @default 0
+             */
+            patches: number;
             /**
              * Route M
              * @description Length of the routes of the egos on the road, metres.
@@ -5807,6 +6036,11 @@ export interface components {
              * @description Candidates, simulated or not.
              */
             evaluations: number;
+            /**
+             * First Avoidable
+             * @description Number of the first one with a failure that a careful and competent driver avoids; null without one.
+             */
+            first_avoidable: number | null;
             /**
              * First Failure
              * @description Number of the first evaluation with a failure; null without one.
@@ -6018,6 +6252,11 @@ export interface components {
          */
         SpaceDocument: {
             /**
+             * @description leave: NPC vehicles leave the road at the end of their way; stay: they brake to a standstill there, and stay.
+             * @default leave
+             */
+            at_end: components["schemas"]["RouteEnd"];
+            /**
              * @description Behavior of the NPC vehicles.
              * @default reactive
              */
@@ -6029,11 +6268,23 @@ export interface components {
              */
             egos: number;
             /**
+             * Lane Changes
+             * @description Whether NPC vehicles change lanes.
+             * @default true
+             */
+            lane_changes: boolean;
+            /**
              * Lights
              * @description Whether the times of the lights vary.
              * @default false
              */
             lights: boolean;
+            /**
+             * Max Deceleration
+             * @description Greatest planned braking of an NPC vehicle. 0: they are told none.
+             * @default 0
+             */
+            max_deceleration: number;
             /**
              * Max Ego Delay
              * @description Latest start time of egos, if egos vary.
@@ -6041,17 +6292,35 @@ export interface components {
              */
             max_ego_delay: number;
             /**
+             * Max Lateral Acceleration
+             * @description Greatest lateral acceleration of an NPC vehicle in bends and lane changes. 0: they are told none.
+             * @default 0
+             */
+            max_lateral_acceleration: number;
+            /**
              * Max Speed Factor
              * @description Greatest desired speed of an NPC vehicle over the speed limit of its lane.
              * @default 1.3
              */
             max_speed_factor: number;
             /**
+             * Max Wait
+             * @description Longest time for which an NPC vehicle stands at one of its waypoints; 0: none does.
+             * @default 0
+             */
+            max_wait: number;
+            /**
              * Max Walker Delay
              * @description Latest start time of walkers.
              * @default 15
              */
             max_walker_delay: number;
+            /**
+             * Min Speed
+             * @description Least desired speed of an NPC vehicle.
+             * @default 2
+             */
+            min_speed: number;
             /**
              * Obstacles
              * @description Static objects beside or partly on an ego's way.
@@ -6065,11 +6334,22 @@ export interface components {
              */
             optional: boolean;
             /**
+             * Patches
+             * @description Slippery patches on an ego's way.
+             * @default 0
+             */
+            patches: number;
+            /**
              * Paths
              * @description Greatest number of paths that NPC vehicles choose from.
              * @default 40
              */
             paths: number;
+            /**
+             * @description A named space, whose values stand where none is given here.
+             * @default null
+             */
+            preset: components["schemas"]["SpacePreset"] | null;
             /**
              * Reach
              * @description NPC vehicles start at most this far from the egos' routes.
@@ -6077,11 +6357,22 @@ export interface components {
              */
             reach: number;
             /**
+             * Slice Time
+             * @description Seconds of a slice, in which an NPC vehicle drives at its speed, or stands, and keeps its lane or changes to the left or right. 0: slices are places on its path.
+             * @default 0
+             */
+            slice_time: number;
+            /**
              * Slices
              * @description Number of waypoints along an NPC vehicle's path.
              * @default 5
              */
             slices: number;
+            /**
+             * @description free: model, path and start of NPC vehicles vary; fixed: they are chosen once, near the first ego, and only what the vehicles do varies.
+             * @default free
+             */
+            starts: components["schemas"]["VehicleStarts"];
             /**
              * Vehicles
              * @description NPC vehicles.
@@ -6101,6 +6392,12 @@ export interface components {
              */
             weather: boolean;
         };
+        /**
+         * SpacePreset
+         * @description Name of a preset.
+         * @enum {string}
+         */
+        SpacePreset: "default" | "avfuzzer" | "behavexplor" | "doppeltest";
         /**
          * StepSpan
          * @description Steps from ``first`` to ``last``.
@@ -6412,9 +6709,19 @@ export interface components {
             at_fault: number;
             /**
              * Avoidable
-             * @description Those of them with one that a careful and competent driver avoids.
+             * @description Those of them with one that a careful and competent driver avoids: the target.
              */
             avoidable: number;
+            /**
+             * Avoidable Kinds
+             * @description Kinds of those failures that are the fault of an ego and avoidable.
+             */
+            avoidable_kinds: number;
+            /**
+             * Avoidable Situations
+             * @description Situations of failures that are the fault of an ego and avoidable.
+             */
+            avoidable_situations: number;
             /**
              * Budget
              * @description Simulations that it could make; `None`: those that it made.
@@ -6436,6 +6743,16 @@ export interface components {
              */
             failing: number;
             /**
+             * First Avoidable
+             * @description The same up to the first one that is the fault of an ego and avoidable.
+             */
+            first_avoidable: number | null;
+            /**
+             * First Avoidable S
+             * @description The same up to the first one that is the fault of an ego and avoidable.
+             */
+            first_avoidable_s?: number | null;
+            /**
              * First Failure
              * @description Simulations up to the first failure, itself included; `None`: none found.
              */
@@ -6451,13 +6768,18 @@ export interface components {
              */
             found: number[];
             /**
+             * Found Avoidable
+             * @description The same for those that are the fault of an ego and avoidable.
+             */
+            found_avoidable: number[];
+            /**
              * Gene Coverage
              * @description Share of all combinations of two genes' levels that were tried; with several seed scenarios the mean of theirs.
              */
             gene_coverage: number;
             /**
              * Groups
-             * @description Groups of similar failures; `None` if they were not grouped.
+             * @description Groups of similar failures among its own; `None` if they were not grouped.
              */
             groups: number | null;
             /**
@@ -6471,6 +6793,11 @@ export interface components {
              */
             kinds: number;
             /**
+             * Law Coverage
+             * @description Share of the ways to violate the traffic laws that judged its runs which some run showed (`studies.law_coverage`); `None`: no law judged them.
+             */
+            law_coverage?: number | null;
+            /**
              * Method
              * @description What is compared: campaigns of one method are repetitions of one another.
              */
@@ -6480,6 +6807,21 @@ export interface components {
              * @description Share of the network's drivable lanes, by length, on which actors were placed or planned; `None`: not known (see `studies.road_coverage`).
              */
             network_coverage?: number | null;
+            /**
+             * Not At Fault
+             * @description Simulations without a failure, but with a violation at another actor's fault.
+             */
+            not_at_fault: number;
+            /**
+             * Not Judged
+             * @description Simulations that failed by oracles alone that do not attribute fault.
+             */
+            not_judged: number;
+            /**
+             * Not Measurable
+             * @description Those of them without such a one, but with one of which the run does not tell whether that driver avoids it.
+             */
+            not_measurable: number;
             /**
              * Oracles
              * @description Different oracles violated; collisions count by the other actor: an ego, an NPC vehicle, background traffic, a walker or an obstacle.
@@ -6495,6 +6837,11 @@ export interface components {
              * @description The method's own time over that of the runs.
              */
             readonly own_share: number;
+            /**
+             * Redrawn Share
+             * @description Mutants that were drawn again, as they could not change the run of any ego, over these and all candidates with a parent; `None` without any.
+             */
+            redrawn_share?: number | null;
             /**
              * Scenario
              * @description Name of the seed scenario; only campaigns of the same one are compared.
@@ -6517,9 +6864,9 @@ export interface components {
             simulations: number;
             /**
              * Situations
-             * @description Situations in which failures occurred (`studies.situations`); `None` if they were not counted.
+             * @description Situations in which failures occurred (`studies.situations`).
              */
-            situations: number | null;
+            situations: number;
             /**
              * Time Limit S
              * @description Seconds after which evaluations were left out, for a comparison at equal time; `None`: none were.
@@ -6530,6 +6877,11 @@ export interface components {
              * @description Those of them in which that driver avoids none.
              */
             unavoidable: number;
+            /**
+             * Unchanged Share
+             * @description Simulated candidates with the run of a parent, as far as the egos are concerned, over all with a parent; `None`: without any, or not recorded.
+             */
+            unchanged_share?: number | null;
             /**
              * Undetermined
              * @description Simulations in which the fault of no failure can be determined.
@@ -6949,6 +7301,12 @@ export interface components {
          */
         VehicleDynamics: "kinematic" | "dynamic";
         /**
+         * VehicleStarts
+         * @description Whether model, path and start of the NPC vehicles vary.
+         * @enum {string}
+         */
+        VehicleStarts: "free" | "fixed";
+        /**
          * Verdict
          * @description An oracle's verdict on one ego.
          */
@@ -7148,6 +7506,19 @@ export interface components {
              * @default null
              */
             z: number | null;
+        };
+        /**
+         * WeatherChangeDocument
+         * @description A change of the weather during the run.
+         */
+        WeatherChangeDocument: {
+            /**
+             * Time
+             * @description From this time on the weather is this one.
+             */
+            time: number;
+            /** @description The whole weather from then on. */
+            weather: components["schemas"]["WeatherDocument"];
         };
         /**
          * WeatherDocument
@@ -8471,7 +8842,7 @@ export interface operations {
                 content: {
                     "application/vnd.apache.arrow.stream": string;
                     "application/vnd.apache.parquet": string;
-                    /** @example {"step":0,"timestamp":0.0,"egos":[{"id":"ego_0","kind":"vehicle","model":"vehicle.lincoln.mkz_2017","position":{"x":10.1,"y":-8.7,"z":0.0},"yaw":-0.54051,"velocity":{"x":29.998665,"y":-0.283006},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":4.9,"width":2.13},"control":{"acceleration":0.15,"steer":-0.051447},"lane":{"index":160,"id":"eb_1_1","lateral":0.024339,"heading":-0.54051},"speed_limit":33.33,"route":{"distance":0.0,"lateral":0.024339},"light":null}],"other_actors":{"vehicles":[{"id":"vehicle_0","kind":"vehicle","model":"vehicle.yamaha.yzf","position":{"x":263.182,"y":-10.752,"z":0.0},"yaw":0.193155,"velocity":{"x":3.730979,"y":0.012578},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":2.19,"width":0.87}},{"id":"vehicle_1","kind":"vehicle","model":"vehicle.volkswagen.t2","position":{"x":23.65,"y":-12.631,"z":0.0},"yaw":-0.627887,"velocity":{"x":21.360073,"y":-0.234088},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":4.48,"width":2.07}},{"id":"vehicle_2","kind":"vehicle","model":"vehicle.lincoln.mkz_2017","position":{"x":278.155,"y":-6.942,"z":0.0},"yaw":0.289938,"velocity":{"x":27.346314,"y":0.138384},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":4.9,"width":2.13}},{"id":"vehicle_3","kind":"vehicle","model":"vehicle.mercedes.sprinter","position":{"x":272.429,"y":-10.721,"z":0.0},"yaw":0.270608,"velocity":{"x":6.27393,"y":0.029632},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":5.92,"width":1.99}}],"walkers":[],"obstacles":[],"background":[],"traffic_lights":[]},"agent_logs":{"ego_0":{"values":{"gap":null,"wanted_speed":33.33,"halt_distance":null},"events":[]}}} */
+                    /** @example {"step":0,"timestamp":0.0,"egos":[{"id":"ego_0","kind":"vehicle","model":"vehicle.lincoln.mkz_2017","position":{"x":10.1,"y":-8.7,"z":0.0},"yaw":-0.54051,"velocity":{"x":29.998665,"y":-0.283006},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":4.9,"width":2.13},"control":{"acceleration":-0.4,"steer":-0.051447},"lane":{"index":160,"id":"eb_1_1","lateral":0.024339,"heading":-0.54051},"speed_limit":33.33,"route":{"distance":0.0,"lateral":0.024339},"light":null}],"other_actors":{"vehicles":[{"id":"vehicle_0","kind":"vehicle","model":"vehicle.tesla.cybertruck","position":{"x":177.053,"y":-14.275,"z":0.0},"yaw":-0.417619,"velocity":{"x":26.292736,"y":-0.191647},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":6.27,"width":2.39}},{"id":"vehicle_1","kind":"vehicle","model":"vehicle.tesla.cybertruck","position":{"x":-46.499,"y":-16.814,"z":0.0},"yaw":11.131211,"velocity":{"x":13.573541,"y":2.670702},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":6.27,"width":2.39}},{"id":"vehicle_2","kind":"vehicle","model":"vehicle.mercedes.sprinter","position":{"x":337.177,"y":-10.076,"z":0.0},"yaw":1.287979,"velocity":{"x":14.68416,"y":0.330148},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":5.92,"width":1.99}},{"id":"vehicle_3","kind":"vehicle","model":"vehicle.nissan.micra","position":{"x":46.375,"y":-9.139,"z":0.0},"yaw":-0.676919,"velocity":{"x":17.39411,"y":-0.205512},"acceleration":{"x":0.0,"y":0.0},"yaw_rate":0.0,"size":{"length":3.63,"width":1.85}}],"walkers":[],"obstacles":[],"background":[],"traffic_lights":[]},"agent_logs":{"ego_0":{"values":{"gap":32.134905,"wanted_speed":33.33,"halt_distance":null},"events":[]}}} */
                     "application/x-ndjson": string;
                 };
             };
@@ -8878,8 +9249,8 @@ export interface operations {
                     "application/vnd.apache.parquet": string;
                     /**
                      * @example evaluation,kind,at_fault,time_s,sentence
-                     *     20,"collision|road eb_1|npc_vehicle, front",true,10.100000000000001,"Collided with a vehicle at 11.9 m/s relative to it (front of the ego): the other was ahead, and there was time to brake, on road eb_1 of highway; the fault of the ego, not avoidable."
-                     *     23,"collision|road eb_1|npc_vehicle, front",true,10.100000000000001,"Collided with a vehicle at 11.9 m/s relative to it (front of the ego): the other was ahead, and there was time to brake, on road eb_1 of highway; the fault of the ego, not avoidable."
+                     *     3,"collision|road eb_1|npc_vehicle, front",,1.55,"Collided with a vehicle at 11.4 m/s relative to it (front of the ego): the record begins too late to tell: they were too near then, on road eb_1 of highway; fault undetermined."
+                     *     4,"collision|road eb_1|npc_vehicle, front",,1.55,"Collided with a vehicle at 11.4 m/s relative to it (front of the ego): the record begins too late to tell: they were too near then, on road eb_1 of highway; fault undetermined."
                      */
                     "text/csv": string;
                 };
@@ -12534,17 +12905,17 @@ export interface operations {
                      *     # TYPE drivora_runs gauge
                      *     drivora_runs{status="queued"} 0.0
                      *     drivora_runs{status="running"} 0.0
-                     *     drivora_runs{status="finished"} 179.0
+                     *     drivora_runs{status="finished"} 219.0
                      *     drivora_runs{status="invalid"} 0.0
                      *     drivora_runs{status="agent_failed"} 0.0
                      *     drivora_runs{status="plugin_failed"} 0.0
                      *     drivora_runs{status="simulator_crashed"} 0.0
                      *     drivora_runs{status="timed_out"} 0.0
                      *     drivora_runs{status="infrastructure_failed"} 0.0
-                     *     drivora_runs{status="cancelled"} 4.0
+                     *     drivora_runs{status="cancelled"} 5.0
                      *     # HELP drivora_failed_runs Runs that did not finish, by status and cause
                      *     # TYPE drivora_failed_runs gauge
-                     *     drivora_failed_runs{cause="cancelled",status="cancelled"} 4.0
+                     *     drivora_failed_runs{cause="cancelled",status="cancelled"} 5.0
                      *     # HELP drivora_queue_depth Runs that wait, paused batches included
                      *     # TYPE drivora_queue_depth gauge
                      *     drivora_queue_depth 0.0

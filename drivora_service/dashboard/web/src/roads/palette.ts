@@ -7,6 +7,7 @@ export interface Palette {
   readonly other: number;
   readonly mark: number;
   readonly arrow: number;
+  readonly patch: number;
   readonly ink: number;
   readonly casing: number;
   readonly accent: number;
@@ -36,6 +37,7 @@ export function paletteNow(): Palette {
     other: read("map-other"),
     mark: read("map-mark"),
     arrow: read("map-arrow"),
+    patch: read("map-patch"),
     ink: read("map-ink"),
     casing: read("map-casing"),
     accent: read("accent"),

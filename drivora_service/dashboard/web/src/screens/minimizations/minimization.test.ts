@@ -26,6 +26,7 @@ const BEFORE: Size = {
   route_m: 118.04,
   sim_time_s: 20,
   digits: 342,
+  patches: 0,
 };
 const AFTER: Size = { ...BEFORE, actors: 1, vehicles: 0, background: 0, waypoints: 4, route_m: 27 };
 

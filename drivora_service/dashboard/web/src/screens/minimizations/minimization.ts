@@ -116,6 +116,7 @@ const PARTS = [
 ] as const satisfies readonly (readonly [string, keyof Size])[];
 
 const OTHERS = [
+  ["slippery patches", "patches", "", 0],
   ["waypoints", "waypoints", "", 0],
   ["settings", "settings", "", 0],
   ["digits of numbers", "digits", "", 0],
@@ -140,7 +141,9 @@ export function sizeRows(before: Size, after: Size): readonly SizeRow[] {
   return [
     row("actors", "actors"),
     ...PARTS.filter(([, key]) => before[key] > 0).map(([name, key]) => row(name, key, "", 0, true)),
-    ...OTHERS.map(([name, key, unit, digits]) => row(name, key, unit, digits)),
+    ...OTHERS.filter(([, key]) => key !== "patches" || before.patches > 0).map(
+      ([name, key, unit, digits]) => row(name, key, unit, digits),
+    ),
   ];
 }
 

@@ -2,6 +2,8 @@ import { useMemo } from "react";
 import { fixed } from "../../components/numbers";
 import type { Clock } from "./clock";
 import type { Difference } from "./difference";
+import { LawPlots } from "./LawPlots";
+import type { LawCurve } from "./lawCurves";
 import { type Line, Plot } from "./Plot";
 import type { Range } from "./timeScale";
 import { useStep } from "./useMoment";
@@ -83,6 +85,7 @@ export function Plots({
   range,
   onRange,
   difference,
+  laws,
 }: {
   readonly series: Series;
   readonly clock: Clock;
@@ -90,6 +93,7 @@ export function Plots({
   readonly range: Range;
   readonly onRange: (range: Range) => void;
   readonly difference: Difference | undefined;
+  readonly laws: readonly LawCurve[];
 }) {
   const step = useStep(clock);
   const groups = useMemo(
@@ -127,6 +131,7 @@ export function Plots({
           />
         </section>
       ))}
+      <LawPlots curves={laws} clock={clock} range={range} onRange={onRange} />
       {difference && (
         <DifferencePlot
           difference={difference}

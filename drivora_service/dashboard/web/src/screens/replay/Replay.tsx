@@ -14,6 +14,7 @@ import { Controls } from "./Controls";
 import { Clock } from "./clock";
 import { EgoFacts } from "./EgoFacts";
 import { ExportButtons } from "./ExportButtons";
+import { lawCurves } from "./lawCurves";
 import { Plots } from "./Plots";
 import { FOLLOW_SCALE, type MapHandle, ReplayMap } from "./ReplayMap";
 import type { Recording } from "./recording";
@@ -135,6 +136,8 @@ function Player({
       ),
     [run],
   );
+  const egoId = recording.actors.find(({ row }) => row === ego)?.id ?? "";
+  const laws = useMemo(() => lawCurves(run.verdicts, egoId), [run, egoId]);
   const { data: timeline } = useTimeline(run.id);
   const untilOf = (verdict: Schemas["Verdict"]) => {
     const mark = timeline?.violations.find(
@@ -376,6 +379,7 @@ function Player({
           range={range}
           onRange={setRange}
           difference={second.compared?.difference}
+          laws={laws}
         />
       )}
       {series.error && <Refused error={series.error} />}

@@ -7,6 +7,7 @@ import { trace } from "../../roads/roadLayer";
 import { ActorLayer, colourOfActor, type Look } from "./actorLayer";
 import { PerceptionLayer } from "./PerceptionLayer";
 import { PlanLayer } from "./PlanLayer";
+import { patchLayer } from "./patchLayer";
 import type { PerceivedActors } from "./perception";
 import type { AgentTold } from "./plans";
 import type { Recording } from "./recording";
@@ -66,6 +67,8 @@ export class ReplayScene {
   ) {
     this.routes = routesOf(recording, map.palette.egos);
     this.actors = new ActorLayer(recording, map.palette, look);
+    // The run that is compared has the same road.
+    if (look === "whole") this.below.addChild(patchLayer(recording.patches, map.palette));
     map.stage.world.addChild(this.below, this.routes, this.actors);
     map.stage.screen.addChild(this.overlay, this.names);
     for (const actor of recording.actors) if (actor.role === "ego") this.label(actor.row);

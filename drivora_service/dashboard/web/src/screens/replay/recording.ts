@@ -19,6 +19,17 @@ export interface Route {
   readonly length: number;
 }
 
+/** A slippery rectangle of the road: metres, radians. */
+export interface FrictionPatch {
+  readonly id: string;
+  readonly x: number;
+  readonly y: number;
+  readonly yaw: number;
+  readonly length: number;
+  readonly width: number;
+  readonly friction: number;
+}
+
 export interface LightChange {
   readonly step: number;
   readonly state: string;
@@ -46,7 +57,10 @@ interface Head {
     readonly changes: Readonly<Record<string, readonly (readonly [number, number])[]>>;
   };
   readonly logs: { readonly events: readonly (readonly [number, number, string])[] };
-  readonly meta?: { readonly perception_range?: number };
+  readonly meta?: {
+    readonly perception_range?: number;
+    readonly friction_patches?: readonly FrictionPatch[];
+  };
 }
 
 export const COLUMNS = ["x", "y", "yaw", "vx", "vy", "ax", "ay"] as const;
@@ -64,6 +78,7 @@ export class Recording {
   readonly lights: ReadonlyMap<string, readonly LightChange[]>;
   readonly log: readonly LogLine[];
   readonly perceptionRange: number | undefined;
+  readonly patches: readonly FrictionPatch[];
   /** Steps that are there already: a run is shown while the rest of it comes. */
   loaded = 0;
 
@@ -99,6 +114,7 @@ export class Recording {
     );
     this.log = head.logs.events.map(([step, ego, message]) => ({ step, ego, message }));
     this.perceptionRange = head.meta?.perception_range;
+    this.patches = head.meta?.friction_patches ?? [];
     const cells = this.steps * this.actors.length;
     const empty = (size: number) => new Float32Array(size).fill(Number.NaN);
     this.x = empty(cells);

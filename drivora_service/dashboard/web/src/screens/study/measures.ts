@@ -15,10 +15,24 @@ export const MEASURES: readonly Measure[] = [
     title: "simulations with a failure that counts",
     value: ({ avoidable }) => avoidable,
   },
+  {
+    name: "first_avoidable",
+    title: "simulations to the first failure that counts",
+    value: ({ first_avoidable }) => first_avoidable,
+  },
+  {
+    name: "avoidable_kinds",
+    title: "kinds of failures that count",
+    value: ({ avoidable_kinds }) => avoidable_kinds,
+  },
+  {
+    name: "avoidable_situations",
+    title: "situations with a failure that counts",
+    value: ({ avoidable_situations }) => avoidable_situations,
+  },
   { name: "at_fault", title: "simulations at fault", value: ({ at_fault }) => at_fault },
   { name: "failing", title: "simulations with a failure", value: ({ failing }) => failing },
   { name: "kinds", title: "kinds of failures", value: ({ kinds }) => kinds },
-  { name: "groups", title: "groups of similar failures", value: ({ groups }) => groups },
   { name: "situations", title: "situations with a failure", value: ({ situations }) => situations },
   {
     name: "first_failure",
@@ -34,6 +48,16 @@ export const MEASURES: readonly Measure[] = [
     name: "network_coverage",
     title: "coverage of the road network",
     value: ({ network_coverage }) => network_coverage ?? null,
+  },
+  {
+    name: "law_coverage",
+    title: "coverage of violations of traffic laws",
+    value: ({ law_coverage }) => law_coverage ?? null,
+  },
+  {
+    name: "unchanged_share",
+    title: "share of candidates with their parent's run",
+    value: ({ unchanged_share }) => unchanged_share ?? null,
   },
   {
     name: "own_share",

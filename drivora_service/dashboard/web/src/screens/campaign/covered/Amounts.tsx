@@ -4,7 +4,7 @@ import type { Schemas } from "../../../api/client";
 import { Loading, Refused } from "../../../components/States";
 import { useFigures } from "./useCovered";
 
-/** How much a campaign has tried and found, in four numbers. */
+/** How much a campaign has tried and found, in numbers. */
 export function Amounts({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
   return (
     <section className="panel">
@@ -31,6 +31,9 @@ function Figures({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
       </Share>
       <Share title="Road network" value={figures.network_coverage ?? null}>
         of the drivable lanes' length used by any actor
+      </Share>
+      <Share title="Traffic laws" value={figures.law_coverage ?? null}>
+        of the ways to violate them shown by some run
       </Share>
       <Amount title="Situations" value={figures.situations}>
         of failures near each other

@@ -1,0 +1,1 @@
+"""Adversaries that act during a run: their actions, their view, their reward, and the game."""

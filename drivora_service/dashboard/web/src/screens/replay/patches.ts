@@ -1,0 +1,16 @@
+import type { FrictionPatch } from "./recording";
+
+/** Returns the corners of a patch, x and y in turn, counter-clockwise from the front left. */
+export function outlineOf({ x, y, yaw, length, width }: FrictionPatch): number[] {
+  const ahead = [0.5 * length * Math.cos(yaw), 0.5 * length * Math.sin(yaw)] as const;
+  const left = [-0.5 * width * Math.sin(yaw), 0.5 * width * Math.cos(yaw)] as const;
+  return [
+    [1, 1],
+    [-1, 1],
+    [-1, -1],
+    [1, -1],
+  ].flatMap(([along = 0, across = 0]) => [
+    x + along * ahead[0] + across * left[0],
+    y + along * ahead[1] + across * left[1],
+  ]);
+}

@@ -1,0 +1,1 @@
+"""DeepCollision: an adversary that acts during the runs and learns by deep Q-learning."""

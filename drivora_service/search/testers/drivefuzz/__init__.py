@@ -1,0 +1,1 @@
+"""DriveFuzz (Kim et al. 2022)."""

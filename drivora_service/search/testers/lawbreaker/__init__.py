@@ -1,0 +1,1 @@
+"""LawBreaker: breeds from the scenarios nearest to each uncovered violation of a traffic law."""
