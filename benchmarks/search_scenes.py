@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,12 +26,21 @@ class Scene:
         scenario: The document; agents that it names do not count.
         space: What varies, as in a campaign file.
         agent: Name of the ADS.
+        parameters: Those of its parameters that differ from their defaults.
     """
 
     name: str
     scenario: dict[str, Any]
     space: dict[str, Any]
     agent: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def driver(self) -> str:
+        """The ADS with its parameters, as tables name it."""
+        return ", ".join(
+            [self.agent, *(f"{key} {value}" for key, value in self.parameters.items())]
+        )
 
 
 @cache
@@ -61,7 +71,7 @@ def prepared(scene: Scene) -> Search:
     document = {
         "name": scene.name,
         "tester": {"name": "random"},
-        "agent": {"name": scene.agent},
+        "agent": {"name": scene.agent, "parameters": dict(scene.parameters)},
         "scenario": scene.scenario,
         "space": scene.space,
         "budget": {"simulations": 1},

@@ -7,6 +7,10 @@ the range with more, and those that are with 2,000, for which the exact interval
 
     python -m benchmarks.scene_search --out FOLDER
     python -m benchmarks.scene_search --out FOLDER --show
+    python -m benchmarks.scene_search --out FOLDER --write SCENES
+
+The last one writes the seed scenarios of the scenes that are in the range, for a study file, and
+prints their spaces.
 
 What was counted is kept in the folder, and not counted again.
 """
@@ -32,7 +36,7 @@ from drivora_service.worker.setup import WorkerSetup
 
 WANTED = (0.005, 0.02)
 """Share of avoidable failures at the ego's fault."""
-STAGES = (60, 400, 2000)
+STAGES = (100, 400, 2000)
 """Draws of each stage, each with a seed of its own."""
 
 
@@ -61,12 +65,12 @@ class Ledger:
 
     def get(self, scene: Scene, draws: int) -> Counts | None:
         """Returns what was counted before, ``None`` if it was not."""
-        return self._known.get((scene.name, scene.agent, draws))
+        return self._known.get((scene.name, scene.driver, draws))
 
     def add(self, scene: Scene, draws: int, found: Counts) -> None:
         """Keeps a count."""
-        self._known[scene.name, scene.agent, draws] = found
-        line = {"scene": scene.name, "agent": scene.agent, "draws": draws, **asdict(found)}
+        self._known[scene.name, scene.driver, draws] = found
+        line = {"scene": scene.name, "agent": scene.driver, "draws": draws, **asdict(found)}
         with self._path.open("a") as file:
             file.write(json.dumps(line) + "\n")
 
@@ -82,10 +86,24 @@ def show(ledger: Ledger) -> None:
         low, high = found.interval
         mark = " *" if is_wanted(found) else ""
         print(
-            f"| {scene.name} | `{scene.agent}` | {found.at_fault} of {found.judged} "
+            f"| {scene.name} | `{scene.driver}` | {found.at_fault} of {found.judged} "
             f"| {found.avoidable} ({found.avoidable / found.judged:.2%}){mark} "
             f"| {low:.2%} to {high:.2%} | {1000.0 * found.seconds:.0f} |"
         )
+
+
+def write(ledger: Ledger, folder: Path) -> None:
+    """Writes the seed scenarios of the scenes in the range; prints them as entries of a study."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for scene in scenes():
+        found = ledger.get(scene, STAGES[-1])
+        if found is None or not is_wanted(found):
+            continue
+        file = folder / (scene.name.partition(",")[0].replace(" ", "-") + ".json")
+        file.write_text(json.dumps(scene.scenario, indent=2) + "\n")
+        print(f"  - file: {folder.name}/{file.name}  # {scene.driver}")
+        print(f"    label: {json.dumps(scene.name)}")
+        print(f"    space: {json.dumps(scene.space)}")
 
 
 def main(arguments: Sequence[str]) -> None:
@@ -93,10 +111,14 @@ def main(arguments: Sequence[str]) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, required=True, help="folder of what was counted")
     parser.add_argument("--show", action="store_true", help="only print the table")
+    parser.add_argument("--write", type=Path, help="only write the scenes in the range")
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args(arguments)
     options.out.mkdir(parents=True, exist_ok=True)
     ledger = Ledger(options.out)
+    if options.write is not None:
+        write(ledger, options.write)
+        return
     if not options.show:
         with (
             tempfile.TemporaryDirectory() as folder,
@@ -111,23 +133,27 @@ def main(arguments: Sequence[str]) -> None:
 
 
 def _sift(evaluator: LocalEvaluator, ledger: Ledger) -> None:
-    left = list(scenes())
-    for stage, draws in enumerate(STAGES):
-        kept = []
-        for scene in left:
-            found = ledger.get(scene, draws)
-            if found is None:
-                try:
-                    found = count(evaluator, scene, draws, seed=1000 + stage)
-                except DrivoraError as error:
-                    # Such as a space whose walkers find no place around the route.
-                    print(f"{scene.name}, {scene.agent}: {error}", file=sys.stderr, flush=True)
-                    found = Counts()
-                ledger.add(scene, draws, found)
-            if may_be_wanted(found):
-                kept.append(scene)
-        print(f"{draws} draws: {len(kept)} of {len(left)} scenes", file=sys.stderr, flush=True)
-        left = kept
+    """Takes each scene through all stages but the last; then those that are left through it."""
+    kept = []
+    for scene in scenes():
+        if all(_may_go_on(evaluator, ledger, scene, stage) for stage in range(len(STAGES) - 1)):
+            kept.append(scene)
+            print(f"may be wanted: {scene.name}, {scene.driver}", file=sys.stderr, flush=True)
+    for scene in kept:
+        _may_go_on(evaluator, ledger, scene, len(STAGES) - 1)
+
+
+def _may_go_on(evaluator: LocalEvaluator, ledger: Ledger, scene: Scene, stage: int) -> bool:
+    found = ledger.get(scene, STAGES[stage])
+    if found is None:
+        try:
+            found = count(evaluator, scene, STAGES[stage], seed=1000 + stage)
+        except DrivoraError as error:
+            # Such as a space whose walkers find no place around the route.
+            print(f"{scene.name}, {scene.driver}: {error}", file=sys.stderr, flush=True)
+            found = Counts()
+        ledger.add(scene, STAGES[stage], found)
+    return may_be_wanted(found)
 
 
 if __name__ == "__main__":

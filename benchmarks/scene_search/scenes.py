@@ -14,17 +14,40 @@ from drivora_service.scenario.seeds import generate_seeds
 STEP = 0.1
 """Seconds a step: half the steps of the default."""
 LENGTHS_M = (100.0, 250.0)
-SEEDS_OF_A_NETWORK = 6
+SEEDS_OF_A_NETWORK = 4
 FIRST_SEED = 501
 
-AGENTS = ("idm", "plant-lite", "pdm-closed")
+AGENTS: tuple[tuple[str, Mapping[str, Any]], ...] = (
+    ("plant-lite", {}),
+    ("sumo-krauss", {}),
+)
+"""Names and parameters."""
 
+_TRAFFIC: Mapping[str, Any] = {
+    "optional": True,
+    "max_deceleration": 8.0,
+    "max_lateral_acceleration": 4.0,
+}
+"""Vehicles that brake and change lanes as hard as drivers do in need; each may be absent."""
 SPACES: Mapping[str, Mapping[str, Any]] = {
-    "reactive traffic": {"vehicles": 5, "walkers": 0, "weather": False},
-    "traffic and walkers": {"vehicles": 4, "walkers": 2, "weather": True},
-    "replayed traffic": {"vehicles": 4, "walkers": 0, "behavior": "replay", "weather": False},
-    "walkers": {"vehicles": 1, "walkers": 3, "weather": True, "max_walker_delay": 10.0},
-    "obstacles": {"vehicles": 3, "walkers": 0, "obstacles": 2, "weather": True},
+    "traffic": {**_TRAFFIC, "vehicles": 5, "walkers": 0, "weather": False},
+    "traffic and walkers": {**_TRAFFIC, "vehicles": 4, "walkers": 2, "weather": True},
+    "everything": {
+        **_TRAFFIC,
+        "vehicles": 4,
+        "walkers": 2,
+        "obstacles": 2,
+        "patches": 3,
+        "weather": True,
+    },
+    "traffic that stands": {
+        **_TRAFFIC,
+        "vehicles": 5,
+        "walkers": 0,
+        "weather": True,
+        "max_wait": 10.0,
+        "at_end": "stay",
+    },
 }
 
 
@@ -52,10 +75,11 @@ def scenes() -> Iterator[Scene]:
                 ego.pop("agent", None)
                 ego["initial_speed"] = 8.0
             for name, space in SPACES.items():
-                for agent in AGENTS:
+                for agent, parameters in AGENTS:
                     yield Scene(
                         name=f"{town} {number}, {name}",
                         scenario=scenario,
                         space=dict(space),
                         agent=agent,
+                        parameters=parameters,
                     )
