@@ -23,8 +23,9 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.landscape.laboratory import AT_ONCE, Laboratory, Ran, Scene, scenes_of
+from benchmarks.landscape.laboratory import AT_ONCE, Laboratory, Ran
 from benchmarks.landscape.nearness import MEASURES
+from benchmarks.search_scenes import Scene, scenes_of
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import shipped_networks
@@ -63,10 +64,10 @@ class Exploration:
         self._laboratory, self._scene, self._options = laboratory, scene, options
         self._random = np.random.default_rng(options.seed)
 
-    def groups(self, agent: str) -> Iterable[Group]:
+    def groups(self) -> Iterable[Group]:
         """Yields the groups, each as soon as it has been run."""
         drawn, nearness = self._draw()
-        yield self._group(agent, "drawn anew", drawn, ())
+        yield self._group("drawn anew", drawn, ())
         failed = [one for one in drawn if one.at_fault]
         places = [number for number, one in enumerate(drawn) if not one.collided]
         passing = [place for place in places if not drawn[place].at_fault]
@@ -77,7 +78,7 @@ class Exploration:
             chosen[f"nearest by {name}"] = [drawn[i] for i in ranked[: self._options.parents]]
         for name, parents in chosen.items():
             if parents:
-                yield self._group(agent, f"{name}, changed", self._change(parents), parents)
+                yield self._group(f"{name}, changed", self._change(parents), parents)
 
     def _draw(self) -> tuple[list[Ran], dict[str, list[float]]]:
         drawn: list[Ran] = []
@@ -103,10 +104,10 @@ class Exploration:
             changed += [one for one, _ in self._laboratory.run(values, places)]
         return changed
 
-    def _group(self, agent: str, name: str, ran: Sequence[Ran], parents: Sequence[Ran]) -> Group:
+    def _group(self, name: str, ran: Sequence[Ran], parents: Sequence[Ran]) -> Group:
         return Group(
             scene=self._scene.name,
-            agent=agent,
+            agent=self._scene.agent,
             group=name,
             runs=len(ran),
             at_fault=sum(one.at_fault for one in ran),
@@ -159,14 +160,14 @@ def main(arguments: Sequence[str]) -> None:
             folder=Path(folder),
         ) as executor,
     ):
-        for scene in scenes_of(options.study):
-            for agent in options.agents:
+        for agent in options.agents:
+            for scene in scenes_of(options.study, agent):
                 if (scene.name, agent) in done:
                     continue
                 traces = Path(folder) / "traces"
                 traces.mkdir(exist_ok=True)
-                laboratory = Laboratory(LocalEvaluator(executor), scene, agent, traces)
-                found = list(Exploration(laboratory, scene, options).groups(agent))
+                laboratory = Laboratory(LocalEvaluator(executor), scene, traces)
+                found = list(Exploration(laboratory, scene, options).groups())
                 # All groups of a scene and an ADS at once: a file never has a part of them.
                 with options.out.open("a") as out:
                     out.writelines(json.dumps(asdict(one)) + "\n" for one in found)

@@ -3,23 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import yaml
 
-from drivora_service.campaigns.catalogues import Catalogues
+from benchmarks.search_scenes import Scene, catalogues, prepared
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.judging import violations_of
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import read_campaign
 from drivora_service.geometry.arrays import FloatArray
-from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.trace import Col, Trace
 from drivora_service.observations.trace_file import read_trace
 from drivora_service.oracles.collision import Collision
@@ -30,20 +23,6 @@ AT_ONCE = 200
 """Runs whose traces are on the disk at a time."""
 
 _MOTION = (Col.X, Col.Y, Col.YAW, Col.VX, Col.VY)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Scene:
-    """A seed scenario and its space.
-
-    Attributes:
-        scenario: The document, without the ADS.
-        space: What varies, as in a campaign file.
-    """
-
-    name: str
-    scenario: dict[str, Any]
-    space: dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -69,47 +48,18 @@ class Ran:
     parent: int = -1
 
 
-@cache
-def catalogues() -> Catalogues:
-    """Returns the catalogues of campaigns; one a process."""
-    return Catalogues(NetworkCatalogue(shipped_networks()))
-
-
-def scenes_of(study: Path) -> tuple[Scene, ...]:
-    """Reads the scenes of a study file; each has a scenario and a space of its own."""
-    return tuple(
-        Scene(
-            name=one["label"],
-            scenario=json.loads((study.parent / one["file"]).read_text()),
-            space=one["space"],
-        )
-        for one in yaml.safe_load(study.read_text())["scenarios"]
-    )
-
-
 class Laboratory:
-    """Runs candidates of one scene against one ADS."""
+    """Runs candidates of one scene."""
 
-    def __init__(self, evaluator: Evaluator, scene: Scene, agent: str, folder: Path) -> None:
+    def __init__(self, evaluator: Evaluator, scene: Scene, folder: Path) -> None:
         """Prepares the space.
 
         Args:
             evaluator: Runs the candidates; it has no other user meanwhile.
             scene: The scene.
-            agent: The ADS of every ego.
             folder: Where traces are written for the moment.
         """
-        document = {
-            "name": scene.name,
-            "tester": {"name": "random"},
-            "agent": {"name": agent},
-            "scenario": scene.scenario,
-            "space": scene.space,
-            "budget": {"simulations": 1},
-        }
-        search = prepare_search(
-            read_campaign(json.dumps(document), catalogues()), catalogues(), run_prefix="landscape"
-        )
+        search = prepared(scene)
         (part,) = search.parts
         self._evaluator, self._candidates, self._folder = evaluator, part.candidates, folder
         self._oracles = search.oracles

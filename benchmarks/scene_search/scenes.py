@@ -1,0 +1,85 @@
+"""The scenes among which the search looks: seed scenarios times spaces times ADSs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from benchmarks.search_scenes import Scene, catalogues
+from drivora_service.networks.catalogue import shipped_networks
+from drivora_service.scenario.documents import document_text
+from drivora_service.scenario.seeds import generate_seeds
+
+STEP = 0.1
+"""Seconds a step: half the steps of the default."""
+LENGTHS_M = (100.0, 250.0)
+SEEDS_OF_A_NETWORK = 4
+FIRST_SEED = 501
+
+AGENTS: tuple[tuple[str, Mapping[str, Any]], ...] = (
+    ("plant-lite", {}),
+    ("sumo-krauss", {}),
+)
+"""Names and parameters."""
+
+_TRAFFIC: Mapping[str, Any] = {
+    "optional": True,
+    "max_deceleration": 8.0,
+    "max_lateral_acceleration": 4.0,
+}
+"""Vehicles that brake and change lanes as hard as drivers do in need; each may be absent."""
+SPACES: Mapping[str, Mapping[str, Any]] = {
+    "traffic": {**_TRAFFIC, "vehicles": 5, "walkers": 0, "weather": False},
+    "traffic and walkers": {**_TRAFFIC, "vehicles": 4, "walkers": 2, "weather": True},
+    "everything": {
+        **_TRAFFIC,
+        "vehicles": 4,
+        "walkers": 2,
+        "obstacles": 2,
+        "patches": 3,
+        "weather": True,
+    },
+    "traffic that stands": {
+        **_TRAFFIC,
+        "vehicles": 5,
+        "walkers": 0,
+        "weather": True,
+        "max_wait": 10.0,
+        "at_end": "stay",
+    },
+}
+
+
+def scenes() -> Iterator[Scene]:
+    """Yields all scenes, in an order in which every part is a sample of the whole."""
+    towns = sorted(path.name for path in shipped_networks().iterdir() if path.is_dir())
+    seeds = {
+        town: list(
+            generate_seeds(
+                catalogues().networks.get(town),
+                count=SEEDS_OF_A_NETWORK,
+                min_length=LENGTHS_M[0],
+                max_length=LENGTHS_M[1],
+                seed=FIRST_SEED + place,
+                agent="idm",
+            )
+        )
+        for place, town in enumerate(towns)
+    }
+    for number in range(SEEDS_OF_A_NETWORK):
+        for town in towns:
+            scenario = json.loads(document_text(seeds[town][number]))
+            scenario["step_length"] = STEP
+            for ego in scenario["ego_vehicles"]:
+                ego.pop("agent", None)
+                ego["initial_speed"] = 8.0
+            for name, space in SPACES.items():
+                for agent, parameters in AGENTS:
+                    yield Scene(
+                        name=f"{town} {number}, {name}",
+                        scenario=scenario,
+                        space=dict(space),
+                        agent=agent,
+                        parameters=parameters,
+                    )

@@ -1,0 +1,80 @@
+"""Scenes whose space is searched, outside a campaign."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from drivora_service.campaigns.catalogues import Catalogues
+from drivora_service.campaigns.engine import Search
+from drivora_service.campaigns.preparing import prepare_search
+from drivora_service.campaigns.reading import read_campaign
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """A seed scenario, its space, and the ADS of its egos.
+
+    Attributes:
+        scenario: The document; agents that it names do not count.
+        space: What varies, as in a campaign file.
+        agent: Name of the ADS.
+        parameters: Those of its parameters that differ from their defaults.
+    """
+
+    name: str
+    scenario: dict[str, Any]
+    space: dict[str, Any]
+    agent: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def driver(self) -> str:
+        """The ADS with its parameters, as tables name it."""
+        return ", ".join(
+            [self.agent, *(f"{key} {value}" for key, value in self.parameters.items())]
+        )
+
+
+@cache
+def catalogues() -> Catalogues:
+    """Returns the catalogues of campaigns; one a process."""
+    return Catalogues(NetworkCatalogue(shipped_networks()))
+
+
+def scenes_of(study: Path, agent: str) -> tuple[Scene, ...]:
+    """Reads the scenes of a study file; each has a scenario and a space of its own."""
+    return tuple(
+        Scene(
+            name=one["label"],
+            scenario=json.loads((study.parent / one["file"]).read_text()),
+            space=one["space"],
+            agent=agent,
+        )
+        for one in yaml.safe_load(study.read_text())["scenarios"]
+    )
+
+
+def prepared(scene: Scene) -> Search:
+    """Prepares random search in a scene.
+
+    Raises:
+        InvalidDocument: The scene has no such space.
+    """
+    document = {
+        "name": scene.name,
+        "tester": {"name": "random"},
+        "agent": {"name": scene.agent, "parameters": dict(scene.parameters)},
+        "scenario": scene.scenario,
+        "space": scene.space,
+        "budget": {"simulations": 1},
+    }
+    valid = read_campaign(json.dumps(document), catalogues())
+    return prepare_search(valid, catalogues(), run_prefix="scene")
