@@ -15,22 +15,17 @@ from benchmarks.suite.campaign_throughput import (
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.preparing import prepare_search
 from drivora_service.campaigns.reading import read_campaign
-from drivora_service.errors import InvalidDocument
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_its_campaign_can_begin(method: str, catalogues: Catalogues) -> None:
+    if method == "deepcollision":
+        pytest.importorskip("stable_baselines3", reason="an extra: `adversary`")
     valid = read_campaign(json.dumps(campaign_document(method, 7)), catalogues)
     assert valid.campaign.tester.name == method
-    try:
-        search = prepare_search(valid, catalogues, run_prefix="throughput")
-    except InvalidDocument as error:
-        assert method == "deepcollision", error
-        assert "extra 'adversary'" in str(error)
-    else:
-        assert len(search.parts) == 1
+    assert len(prepare_search(valid, catalogues, run_prefix="throughput").parts) == 1
 
 
 def test_the_budgets_leave_something_to_measure() -> None:
-    assert SHORT_SIMULATIONS >= least_simulations(short=True)
+    assert least_simulations(short=True) <= SHORT_SIMULATIONS
     assert least_simulations(short=True) < least_simulations(short=False) <= 400
