@@ -109,10 +109,9 @@ TELLING: dict[str, Telling] = {
         scene=_MOTORWAY,
         setting=Setting(
             space={
-                "vehicles": 5,
+                "vehicles": 8,
                 "walkers": 0,
-                "obstacles": 2,
-                "patches": 3,
+                "patches": 4,
                 "weather": False,
                 "optional": True,
             }
