@@ -19,7 +19,7 @@ MOST_LINES = 9
 """Greatest number of lines in a panel, the baseline included."""
 
 _TITLE_CHARACTERS = 44
-_LABEL_CHARACTERS = 26
+_LABEL_CHARACTERS = 32
 """Greatest length of a line of a label, characters."""
 _LABEL_LINE = 0.155
 """Height of a line of a label, inches."""
