@@ -70,7 +70,7 @@ def _schema(arguments: Sequence[str]) -> int:
 
 def _measure(arguments: Sequence[str]) -> int:
     # Imported here: they need most of the package, which the other commands do not.
-    from benchmarks.suite.campaign_throughput import LEAST_SIMULATIONS
+    from benchmarks.suite.campaign_throughput import SHORT_SIMULATIONS, least_simulations
     from benchmarks.suite.measurements import MEASUREMENTS
 
     names = [measurement.name for measurement in MEASUREMENTS]
@@ -83,7 +83,9 @@ def _measure(arguments: Sequence[str]) -> int:
     parser.add_argument("--only", nargs="+", choices=names, default=names, metavar="NAME")
     parser.add_argument("--rounds", type=int, help="default 5; short form 1")
     parser.add_argument(
-        "--simulations", type=int, help="of each campaign, default 400; short form 50"
+        "--simulations",
+        type=int,
+        help=f"of each campaign, default 400; short form {SHORT_SIMULATIONS}",
     )
     parser.add_argument("--networks", type=Path, help="folder of NAME.net.xml, with Town01, Town04")
     parser.add_argument("--routes", type=Path, help="Leaderboard 1.0 route file of these towns")
@@ -91,8 +93,9 @@ def _measure(arguments: Sequence[str]) -> int:
     parser.add_argument("--out", type=Path, help="result file; the short form's is in build/")
     parser.add_argument("--page", type=Path, help="page; the short form writes none by default")
     options = parser.parse_args(arguments)
-    if options.simulations is not None and options.simulations < LEAST_SIMULATIONS:
-        parser.error(f"--simulations: at least {LEAST_SIMULATIONS}, as the first are not counted")
+    least = least_simulations(short=options.short)
+    if options.simulations is not None and options.simulations < least:
+        parser.error(f"--simulations: at least {least}, as the first are not counted")
     out: Path = options.out or (
         _ROOT.parent / "build" / "benchmarks-short.json" if options.short else _RESULT
     )
@@ -108,7 +111,7 @@ def _measure(arguments: Sequence[str]) -> int:
             plan = Plan(
                 short=options.short,
                 rounds=options.rounds or (1 if options.short else 5),
-                simulations=options.simulations or (50 if options.short else 400),
+                simulations=options.simulations or (SHORT_SIMULATIONS if options.short else 400),
                 networks=options.networks,
                 routes=options.routes,
                 cache=options.cache.expanduser(),

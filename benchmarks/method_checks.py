@@ -6,7 +6,9 @@
 ``budget`` runs a campaign of every method on two shipped networks and Town01, and counts what
 became of the candidates. ``kills`` runs one of every method, on a scene in which it finds failures,
 with two workers, again with one, and again with three SIGKILLs at random moments, and compares the
-evaluations one by one.
+evaluations one by one. A method that keeps checkpoints (`deepcollision`) goes on from the last one
+after a kill; how many evaluations that one has is reported. `deepcollision` is left out, with a
+message, where its extra is not installed.
 """
 
 from __future__ import annotations
@@ -25,10 +27,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from benchmarks.method_study import ARMS, SCENES
-from benchmarks.method_study import campaign_document as study_document
+from benchmarks.method_campaigns import TELLING, generated_campaign, telling_campaign
+from benchmarks.methods import METHODS, installed_methods
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.conducting import conduct
+from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.journal import MemoryJournal
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.campaigns.preparing import prepare_search
@@ -36,27 +39,12 @@ from drivora_service.campaigns.reading import read_campaign
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.scenario.documents import document_text
-from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.store.database import open_database
 from drivora_service.studies.figures import Subject, figures_of
 from drivora_service.worker.setup import WorkerSetup
-
-SPACES: dict[str, dict[str, Any]] = {
-    "random": {},
-    "avfuzzer": {},
-    "behavexplor": {},
-    "samota": {},
-    "doppeltest": {"egos": 4, "vehicles": 0, "walkers": 2, "weather": False, "lights": True},
-    "drivefuzz": {"vehicles": 5, "walkers": 3, "obstacles": 2, "patches": 3, "optional": True},
-}
-"""The space of each method, apart from defaults."""
-
-TELLING = {"one ego": "motorway in rain", "several egos": "church lane, eight egos"}
-"""Scenes of the study with failures in a few simulations."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,27 +57,15 @@ class Wanted:
     seed: int = 1
 
 
-def campaign_document(networks: NetworkCatalogue, wanted: Wanted) -> dict[str, Any]:
-    """Writes a campaign on a generated seed scenario."""
-    seeds = generate_seeds(
-        networks.get(wanted.town), count=1, min_length=150.0, max_length=250.0, seed=1, agent="idm"
-    )
-    return {
-        "name": f"{wanted.tester} on {wanted.town}",
-        "tester": {"name": wanted.tester},
-        "scenario": json.loads(document_text(next(iter(seeds)))),
-        "space": SPACES[wanted.tester],
-        "budget": {"simulations": wanted.simulations},
-        "seed": wanted.seed,
-    }
-
-
 def run_whole(
     setup: WorkerSetup, networks: NetworkCatalogue, wanted: Wanted, workers: int
 ) -> dict[str, Any]:
     """Runs a campaign; returns the counts of its candidates."""
     catalogues = Catalogues(networks)
-    valid = read_campaign(json.dumps(campaign_document(networks, wanted)), catalogues)
+    document = generated_campaign(
+        networks, wanted.tester, wanted.town, seed=wanted.seed, simulations=wanted.simulations
+    )
+    valid = read_campaign(json.dumps(document), catalogues)
     search = prepare_search(valid, catalogues, run_prefix="check")
     journal = MemoryJournal()
     with (
@@ -169,8 +145,14 @@ def command(data: Path, *arguments: str) -> list[str]:
 
 
 def finish(data: Path, *arguments: str) -> str:
-    """Runs a command to its end; returns the campaign's id."""
-    done = subprocess.run(command(data, *arguments), capture_output=True, text=True, check=True)
+    """Runs a command to its end; returns the campaign's id.
+
+    Raises:
+        SystemExit: It failed; has what it printed.
+    """
+    done = subprocess.run(command(data, *arguments), capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise SystemExit(f"drivora campaign {' '.join(arguments)}: {done.stderr}")
     return str(json.loads(done.stdout)["id"])
 
 
@@ -197,21 +179,27 @@ def kill_at(data: Path, process: subprocess.Popen[bytes], told: int) -> int:
     return told_so_far(data)[1]
 
 
+def last_checkpoint(data: Path) -> int:
+    """Returns the evaluations before the newest campaign's last checkpoint; 0 without any."""
+    folder = CampaignFolder(data / "campaigns", told_so_far(data)[0]).path / "checkpoints"
+    return max((int(path.stem) for path in folder.glob("*.checkpoint")), default=0)
+
+
 def check_kills(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
     """Runs every method uninterrupted with K = 2 and K = 1, and with three kills."""
     for tester in options.testers:
-        arm = next(arm for arm in ARMS if arm.tester == tester)
-        scene = next(scene for scene in SCENES if scene.name == TELLING[arm.egos])
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             file = folder / "campaign.json"
-            document = study_document(scene, arm, options.seed, options.simulations)
+            document = telling_campaign(tester, seed=options.seed, simulations=options.simulations)
             file.write_text(json.dumps(document))
             two = finish(folder / "two", "run", str(file), "--workers", "2")
             one = finish(folder / "one", "run", str(file), "--workers", "1")
             luck = random.Random(f"{tester} {options.seed}")
             moments = sorted(luck.sample(range(1, options.simulations - 1), 3))
-            killed, data, arguments = [], folder / "killed", ["run", str(file)]
+            killed: list[int] = []
+            resumed_at: list[int] = []
+            data, arguments = folder / "killed", ["run", str(file)]
             for moment in moments:
                 process = subprocess.Popen(
                     command(data, *arguments),
@@ -219,7 +207,11 @@ def check_kills(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
                     stderr=subprocess.DEVNULL,
                     start_new_session=True,
                 )
-                killed.append(kill_at(data, process, moment))
+                # Several evaluations are told at once: not before others than the last time.
+                least = killed[-1] + 1 if killed else 0
+                told = min(max(moment, least), options.simulations - 1)
+                killed.append(kill_at(data, process, told))
+                resumed_at.append(last_checkpoint(data))
                 arguments = ["resume", told_so_far(data)[0]]
             finish(data, *arguments)
             whole = sequence(folder / "two", two)
@@ -227,11 +219,12 @@ def check_kills(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
             again = sequence(data, arguments[1])
             yield {
                 "method": tester,
-                "scene": scene.name,
+                "scene": TELLING[tester].scene,
                 "evaluations": len(whole),
-                "failing": sum(bool(told[7]) for told in whole),
+                "failing": sum(bool(one[7]) for one in whole),
                 "one_worker_the_same": alone == whole,
                 "killed_after": killed,
+                "checkpoints": resumed_at,
                 "killed_the_same": again == whole,
             }
 
@@ -265,9 +258,12 @@ def main() -> None:
     kills.add_argument("--seed", type=int, default=1)
     kills.set_defaults(check=check_kills)
     for checking in (budget, kills):
-        checking.add_argument("--testers", nargs="+", default=list(SPACES))
+        checking.add_argument("--testers", nargs="+", choices=METHODS, default=list(METHODS))
         checking.add_argument("--out", type=Path)
     options = parser.parse_args()
+    options.testers, left_out = installed_methods(options.testers)
+    for one in left_out:
+        print(f"Left out: {one}.", file=sys.stderr)
     print_table(options.check(options), options.out)
 
 

@@ -60,8 +60,9 @@ def looks_of(methods: Sequence[str], baseline: str) -> dict[str, Look]:
     others = [method for method in dict.fromkeys(methods) if method != baseline]
     for index, method in enumerate(others):
         looks[method] = Look(
-            color=colors.ego_color(index),
-            line=_LINES[index % len(_LINES)],
+            color=colors.METHODS[index % len(colors.METHODS)],
+            # Other lines for the methods for which there are no more colours.
+            line=_LINES[(index + index // len(colors.METHODS)) % len(_LINES)],
             marker=_MARKERS[index % len(_MARKERS)],
         )
     return looks
@@ -74,15 +75,18 @@ def chart_style() -> Iterator[None]:
         yield
 
 
-def panels(count: int, *, width: float = 4.6, height: float = 3.3) -> tuple[Figure, list[Axes]]:
-    """Returns a figure with ``count`` panels, up to three beside one another.
+def panels(
+    count: int, *, width: float = 4.6, height: float = 3.3, columns: int = 3
+) -> tuple[Figure, list[Axes]]:
+    """Returns a figure with ``count`` panels.
 
     Args:
         count: At least 1.
         width: Inches of one panel.
         height: Inches of one panel.
+        columns: Greatest number of panels beside one another.
     """
-    columns = min(count, 3)
+    columns = min(count, columns)
     rows = -(-count // columns)
     figure = Figure(
         figsize=(columns * width, rows * height), facecolor="white", layout="constrained"

@@ -19,6 +19,9 @@ VERDICT = "#c1121f"
 EGOS = ("#0b5fa5", "#e07a00", "#0f8a5f", "#8f3fa8", "#b8860b", "#00868b")
 """Colours of the egos in turn (blue, orange, green, purple, ochre, teal)."""
 
+METHODS = (*EGOS, "#c2478c", "#7a4b1e")
+"""Colours of compared methods in turn (then pink, brown)."""
+
 ROLES = {
     Role.NPC_VEHICLE: "#5b6b7b",
     Role.NPC_WALKER: "#c2478c",

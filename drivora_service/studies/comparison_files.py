@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from pathlib import Path
 
@@ -12,8 +11,10 @@ from drivora_service.plotting.effects import EffectRow, Values, draw_effects, dr
 from drivora_service.studies.comparing import Comparison
 from drivora_service.studies.comparison import SIGNIFICANT, Difference
 from drivora_service.studies.comparison_text import comparison_markdown, measures_of, methods_of
-from drivora_service.studies.csv_text import safe_cells
+from drivora_service.studies.csv_text import write_csv
 from drivora_service.studies.figures import CampaignFigures
+from drivora_service.studies.survival import survival_curves
+from drivora_service.studies.survival_files import survival_markdown, write_survival
 
 _ROW_COLUMNS = (
     "measure",
@@ -37,18 +38,25 @@ def write_comparison(comparison: Comparison, folder: Path) -> tuple[Path, ...]:
     """Writes a comparison into a folder, which is made if it does not exist.
 
     Returns:
-        The files: ``comparison.md``, ``comparison.csv``, ``figures.csv`` and charts.
+        The files: ``comparison.md``, ``comparison.csv``, ``figures.csv``, ``survival.csv`` and
+        charts.
     """
     folder.mkdir(parents=True, exist_ok=True)
     text, table, figures = (
         folder / name for name in ("comparison.md", "comparison.csv", "figures.csv")
     )
     charts = _draw(comparison, folder)
-    text.write_text(comparison_markdown(comparison, [p for p in charts if p.suffix == ".svg"]))
-    _write_csv(table, _ROW_COLUMNS, (_row_cells(row) for row in comparison.differences))
+    curves = survival_curves(comparison.campaigns)
+    survival = write_survival(curves, comparison.baseline, folder)
+    shown = [path.name for path in survival if path.suffix == ".svg"]
+    text.write_text(
+        comparison_markdown(comparison, [p for p in charts if p.suffix == ".svg"])
+        + "\n".join(("", *survival_markdown(curves, shown), ""))
+    )
+    write_csv(table, _ROW_COLUMNS, (_row_cells(row) for row in comparison.differences))
     columns = (*(field.name for field in fields(CampaignFigures)), "own_share")
-    _write_csv(figures, columns, (_figure_cells(one, columns) for one in comparison.campaigns))
-    return (text, table, figures, *charts)
+    write_csv(figures, columns, (_figure_cells(one, columns) for one in comparison.campaigns))
+    return (text, table, figures, *survival, *charts)
 
 
 def _draw(comparison: Comparison, folder: Path) -> list[Path]:
@@ -138,10 +146,3 @@ def _row_cells(row: Difference) -> tuple[object, ...]:
 def _figure_cells(figures: CampaignFigures, columns: Sequence[str]) -> list[object]:
     cells = [getattr(figures, column) for column in columns]
     return [" ".join(map(str, cell)) if isinstance(cell, tuple) else cell for cell in cells]
-
-
-def _write_csv(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(map(safe_cells, rows))

@@ -1,8 +1,10 @@
-"""Text in CSV files that spreadsheets do not take for formulas."""
+"""CSV files with text that spreadsheets do not take for formulas."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import csv
+from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 _MARK = "'"
 _MARKED = frozenset(
@@ -24,3 +26,11 @@ def safe_text(text: str) -> str:
 def safe_cells(cells: Iterable[object]) -> list[object]:
     """Returns the cells of a line, all texts as :func:`safe_text` writes them."""
     return [safe_text(cell) if isinstance(cell, str) else cell for cell in cells]
+
+
+def write_csv(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Writes a CSV file: a line of columns, then the rows; ``None`` is an empty cell."""
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(map(safe_cells, rows))

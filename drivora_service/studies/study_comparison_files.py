@@ -1,39 +1,46 @@
-"""The comparison of a study as files: Markdown, CSV, and a chart as SVG and PNG."""
+"""The comparison of a study as files: Markdown, CSV, and charts as SVG and PNG."""
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 
 from drivora_service.plotting.effects import Values, draw_values
 from drivora_service.shapes import field_names
 from drivora_service.studies.comparison import Difference, Measure, measure
-from drivora_service.studies.csv_text import safe_cells
+from drivora_service.studies.csv_text import write_csv
 from drivora_service.studies.study_comparison import StudyComparison, StudyFigures
 from drivora_service.studies.study_comparison_text import study_markdown
+from drivora_service.studies.survival import survival_curves
+from drivora_service.studies.survival_files import survival_markdown, write_survival
 
 
 def write_study_comparison(comparison: StudyComparison, folder: Path) -> tuple[Path, ...]:
     """Writes the comparison of a study into a folder, which is made if it does not exist.
 
     Returns:
-        The files: ``study.md``, ``by-method.csv``, ``by-agent.csv``, ``figures.csv``, and the chart
-        ``values`` as SVG and PNG.
+        The files: ``study.md``, ``by-method.csv``, ``by-agent.csv``, ``figures.csv``,
+        ``survival.csv``, and the charts ``values`` and ``survival-K`` as SVG and PNG.
     """
     folder.mkdir(parents=True, exist_ok=True)
     charts = draw_study(comparison, folder / "values")
     text, figures = folder / "study.md", folder / "figures.csv"
-    text.write_text(study_markdown(comparison, [charts[0].name]))
+    curves = survival_curves(comparison.campaigns, agent_of=lambda f: f.agent)
+    survival = write_survival(curves, comparison.baseline_method, folder)
+    shown = [path.name for path in survival if path.suffix == ".svg"]
+    text.write_text(
+        study_markdown(comparison, [charts[0].name])
+        + "\n".join(("", *survival_markdown(curves, shown), ""))
+    )
     tables = []
     for name, rows in (("by-method", comparison.by_method), ("by-agent", comparison.by_agent)):
         columns = (*field_names(Difference), "judgement")
         tables.append(folder / f"{name}.csv")
-        _write(tables[-1], columns, ([getattr(row, c) for c in columns] for row in rows))
+        write_csv(tables[-1], columns, ([getattr(row, c) for c in columns] for row in rows))
     columns = tuple(field.name for field in fields(StudyFigures))
-    _write(figures, columns, (_cells(one, columns) for one in comparison.campaigns))
-    return (text, *tables, figures, *charts)
+    write_csv(figures, columns, (_cells(one, columns) for one in comparison.campaigns))
+    return (text, *tables, figures, *survival, *charts)
 
 
 def draw_study(comparison: StudyComparison, stem: Path) -> tuple[Path, Path]:
@@ -67,10 +74,3 @@ def _first_measure(comparison: StudyComparison) -> Measure:
 def _cells(figures: StudyFigures, columns: Sequence[str]) -> list[object]:
     cells = [getattr(figures, column) for column in columns]
     return [" ".join(map(str, cell)) if isinstance(cell, tuple) else cell for cell in cells]
-
-
-def _write(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(map(safe_cells, rows))

@@ -96,8 +96,9 @@ def test_real_campaigns_are_compared_and_reported(
         0.0 <= row["low"] <= row["a12"] <= row["high"] <= 1.0 for row in result["differences"]
     )
     assert all(0.0 < f["network_coverage"] < 1.0 for f in result["campaigns"])
+    kinds = max(f["avoidable_kinds"] for f in result["campaigns"])
     assert sorted(path.name for path in out.iterdir()) == sorted(
-        ["comparison.csv", "comparison.md", "figures.csv"]
+        ["comparison.csv", "comparison.md", "figures.csv", "survival.csv"]
         + [
             f"{name}.{suffix}"
             for name in (
@@ -107,6 +108,7 @@ def test_real_campaigns_are_compared_and_reported(
                 "first-avoidable",
                 "first-failure",
                 "values",
+                *(f"survival-{k}" for k in (1, 2, 3, 5) if k <= max(kinds, 1)),
             )
             for suffix in ("png", "svg")
         ]

@@ -217,6 +217,16 @@ def test_files_say_what_the_comparison_says(
     assert len(comparison.differences) == 4
     # And a row a method of what the simulations came to.
     assert text.count("| tee-town |") == 4 + 3
+    with (tmp_path / "out" / "survival.csv").open() as file:
+        survival = list(csv.DictReader(file))
+    assert [(row["method"], row["events"]) for row in survival if row["k"] == "1"] == [
+        (
+            method,
+            str(sum(bool(f.found_avoidable) for f in comparison.campaigns if f.method == method)),
+        )
+        for method in methods_of(comparison.campaigns)
+    ]
+    assert "![survival-1.svg](survival-1.svg)" in (tmp_path / "out" / "comparison.md").read_text()
     again = write_comparison(comparison, tmp_path / "again")
     assert [p.read_bytes() for p in again] == [p.read_bytes() for p in files]
 

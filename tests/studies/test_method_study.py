@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from benchmarks.method_study import ARMS, SCENES, TWINS, campaign_document
+from benchmarks.methods import METHODS, installed_methods
+from benchmarks.reference_scene import with_driven_paths
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.documents import campaign_text
+from drivora_service.campaigns.preparing import prepare_search
 from drivora_service.campaigns.reading import read_campaign
 from drivora_service.cli.study_files import read_study_file
 from drivora_service.studies.reading import read_study
@@ -40,3 +44,77 @@ def test_each_campaign_is_the_one_that_the_study_had(
     for key, document in wanted.items():
         # The name is for display only.
         assert {**found[key], "name": ""} == {**document, "name": ""}
+
+
+def installed(file: Path, wanted: Sequence[str] = METHODS) -> dict[str, Any]:
+    """Returns the content of a study file with those of some methods that are installed."""
+    content = read_study_file(file).content
+    methods, _ = installed_methods(wanted)
+    kept = [one for one in content["methods"] if one["name"] in methods]
+    return {**content, "methods": kept, "repetitions": 1}
+
+
+def test_nine_methods_search_the_same_on_common_ground(
+    repository: Path, catalogues: Catalogues
+) -> None:
+    file = repository / "benchmarks" / "studies" / "nine-methods.yaml"
+    methods = read_study_file(file).content["methods"]
+    labels = {one.get("label", one["name"]) for one in methods if one.get("feedback") is None}
+    twins = {one["name"] for one in methods if one.get("feedback") == "shuffled"}
+    assert labels - {"deepcollision without feedback"} == set(METHODS) - {"doppeltest"}
+    assert twins == set(METHODS) - {"random", "doppeltest", "deepcollision"}
+    study = read_study(installed(file), catalogues)
+    # Only the tester and the name differ between the methods.
+    common: dict[str, set[str]] = {}
+    for campaign in study.campaigns:
+        assert campaign.cell is not None
+        document = json.loads(campaign.document)
+        rest = {key: value for key, value in document.items() if key not in ("name", "tester")}
+        common.setdefault(campaign.cell.scenario, set()).add(json.dumps(rest, sort_keys=True))
+    assert len(common) == 3
+    assert all(len(found) == 1 for found in common.values())
+
+
+def test_the_twin_of_deepcollision_draws_all_actions(repository: Path) -> None:
+    content = read_study_file(repository / "benchmarks" / "studies" / "nine-methods.yaml").content
+    own, twin = (one for one in content["methods"] if one["name"] == "deepcollision")
+    assert (twin["label"], "feedback" in twin) == ("deepcollision without feedback", False)
+    drawn = {"first_exploration": 1.0, "last_exploration": 1.0}
+    assert {**own["parameters"], **drawn} == twin["parameters"]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_can_begin_on_every_scene(
+    method: str, repository: Path, catalogues: Catalogues
+) -> None:
+    if method == "deepcollision":
+        pytest.importorskip("stable_baselines3", reason="an extra: `adversary`")
+    name = "several-egos" if method == "doppeltest" else "nine-methods"
+    file = repository / "benchmarks" / "studies" / f"{name}.yaml"
+    study = read_study(installed(file, [method]), catalogues)
+    assert len(study.campaigns) == (3 if method == "random" else 6)
+    for campaign in study.campaigns:
+        search = prepare_search(
+            read_campaign(campaign.document, catalogues), catalogues, run_prefix="study"
+        )
+        assert all(part.tester.ask(1) for part in search.parts)
+
+
+def test_needless_detours_are_judged_for_all_methods(
+    repository: Path, catalogues: Catalogues
+) -> None:
+    file = read_study_file(repository / "benchmarks" / "studies" / "needless-detours.yaml")
+    study = read_study({**file.content, "repetitions": 1}, catalogues)
+    assert study.document.oracles == ("non_optimal_decision",)
+    (agent,) = study.document.agents
+    (scene,) = study.document.scenarios
+    content = json.loads(scene.document.model_dump_json())
+    # The scene has the path that the ADS takes in it now.
+    written = [ego.pop("reference_path") for ego in content["ego_vehicles"]]
+    driven = json.loads(with_driven_paths(content, agent.name))
+    for path, ego in zip(written, driven["ego_vehicles"], strict=True):
+        now = [(pose["time"], pose["x"], pose["y"]) for pose in ego["reference_path"]]
+        assert [(pose["time"], pose["x"], pose["y"]) for pose in path] == [
+            pytest.approx(pose, abs=0.01) for pose in now
+        ]
+        assert ego["agent"]["name"] == agent.name

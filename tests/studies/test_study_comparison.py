@@ -19,6 +19,7 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.studies.comparison import measure
 from drivora_service.studies.study_comparison import HEADLINES, By, StudyComparison, compare_study
 from drivora_service.studies.study_comparison_files import write_study_comparison
+from drivora_service.studies.survival import kinds_reached
 from drivora_service.studies.table_names import TableName
 from drivora_service.studies.tables import SCHEMAS, csv_chunks, parquet_chunks
 from tests.studies.example_study import run_computed, stored
@@ -112,11 +113,14 @@ def test_campaigns_that_have_not_finished_are_left_out(
         compare_study(database, study_id, catalogues)
 
 
-def test_the_files_have_the_overview_first_and_one_chart(
+def test_the_files_have_the_overview_first_and_charts(
     comparison: StudyComparison, tmp_path: Path
 ) -> None:
     written = write_study_comparison(comparison, tmp_path / "out")
+    kinds = kinds_reached(comparison.campaigns)
     assert {path.name for path in written} == {
+        *(f"survival-{k}.{suffix}" for k in kinds for suffix in ("svg", "png")),
+        "survival.csv",
         "study.md",
         "by-method.csv",
         "by-agent.csv",
@@ -131,7 +135,21 @@ def test_the_files_have_the_overview_first_and_one_chart(
         "## By agent, against idm",
         "## What the simulations came to",
     ]
-    assert len(headings) == 3 + 2 * len(HEADLINES)
+    assert headings[-1] == "## Simulations to the first kinds"
+    assert len(headings) == 3 + 2 * len(HEADLINES) + 1
+    with (tmp_path / "out" / "survival.csv").open(newline="") as file:
+        survival = list(csv.DictReader(file))
+    # Two scenarios, two agents and two methods, each with two repetitions.
+    assert len(survival) == 8 * len(kinds)
+    for row in survival:
+        own = [
+            f.found_avoidable
+            for f in comparison.campaigns
+            if (f.scenario, f.agent, f.method) == (row["scenario"], row["agent"], row["method"])
+        ]
+        reached = sorted(found[int(row["k"]) - 1] for found in own if len(found) >= int(row["k"]))
+        assert (int(row["repetitions"]), int(row["events"])) == (2, len(reached))
+        assert row["median"] == (str(reached[0]) if reached else "")
     figures = (tmp_path / "out" / "figures.csv").read_text()
     rows = list(csv.DictReader(io.StringIO(figures)))
     assert {row["agent"] for row in rows} == {"idm", "idm-mobil"}

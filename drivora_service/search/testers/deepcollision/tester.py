@@ -203,10 +203,15 @@ def _unpacked(content: bytes) -> tuple[dict[int, str], bytes]:
         ) from error
 
 
+def missing_modules() -> tuple[str, ...]:
+    """Returns the modules that the tester needs and that are not installed."""
+    return tuple(name for name in _MODULES if find_spec(name) is None)
+
+
 def _create(
     context: TesterContext, parameters: DeepcollisionParameters, _components: Components
 ) -> DeepcollisionTester:
-    missing = [name for name in _MODULES if find_spec(name) is None]
+    missing = missing_modules()
     if missing:
         raise SearchError(
             f"tester 'deepcollision' needs {', '.join(missing)}, which is not installed: install "
