@@ -52,6 +52,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     seconds: Counter[Path] = Counter()
     for item in items:
         mark = item.get_closest_marker("slow")
+        assert mark is None or not mark.args, f"{item.nodeid}: say slow(seconds=…)"
         seconds[item.path] += mark.kwargs.get("seconds", 0) if mark else 0
     items.sort(key=lambda item: -seconds[item.path])
 

@@ -38,7 +38,7 @@ from tests.campaigns.analytic import sequence
 pytestmark = pytest.mark.slow(seconds=10)
 
 TESTERS = ("random", "avfuzzer")
-KILLS = 3
+KILLS = 2
 SIMULATIONS = 60
 _LONG_S = 240.0
 
@@ -252,7 +252,7 @@ def test_a_server_that_is_killed_again_and_again_runs_the_same_campaign(
         # The kernel ends it with its parent.
         engine.wait(30.0)
         moments.append(len(evaluations(tmp_path, campaign_id)))
-    assert 0 < moments[0] < moments[1] < moments[2] < SIMULATIONS
+    assert 0 < moments[0] < moments[1] < SIMULATIONS
     with running_service(tmp_path, workers=2) as url, client_of(url) as client:
         last = follow(client, campaign_id, until="finished")[-1]
         batch = client.get(f"/batches/{last['batch_id']}").json()

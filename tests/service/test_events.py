@@ -23,8 +23,8 @@ from drivora_service.runs.report import RunStatus
 from drivora_service.store.change_lists import ChangedKind
 from drivora_service.store.database import open_database
 
-RUNS = 500
-KILLS = 3
+RUNS = 300
+KILLS = 2
 
 
 @contextmanager

@@ -20,12 +20,12 @@ from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.store.database import open_database
 
-RUNS = 200
-KILLS = 5
+RUNS = 100
+KILLS = 3
 
 
 def batch_lines() -> str:
-    """Returns 200 short drives."""
+    """Returns short drives."""
     network = NetworkCatalogue(shipped_networks()).get("tee-town")
     seeds = generate_seeds(network, count=40, min_length=60, max_length=150, seed=4, agent="idm")
     documents = [json.loads(document_text(seed)) for seed in seeds]
