@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 
 from drivora_service.api.examples import SCENARIO
-from tests.cli.command_process import begin
+from tests.command_process import begin
 
 _TIME_LIMIT_S = 120.0
 

@@ -22,8 +22,8 @@ from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.store.database import Database, open_database
 from drivora_service.studies.law_coverage import law_coverage
 from tests.campaigns.analytic import sequence
-from tests.cli.command_process import Begun, begin
 from tests.cli.conftest import Drivora
+from tests.command_process import Begun, begin
 
 CAMPAIGN = """
 name: crossing

@@ -128,7 +128,7 @@ def digest(result: tuple[object, ...]) -> str:
     return hashlib.sha256(repr(result).encode()).hexdigest()[:16]
 
 
-@pytest.mark.slow(seconds=60)
+@pytest.mark.slow(seconds=30)
 @pytest.mark.parametrize("method", METHODS)
 def test_workers_and_kills_change_nothing(method: str, drivora: Drivora, tmp_path: Path) -> None:
     found = by_way(method, tmp_path, drivora)

@@ -20,8 +20,8 @@ from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.store.database import open_database
 from tests.campaigns.analytic import sequence
-from tests.cli.command_process import Begun, begin
 from tests.cli.conftest import Drivora
+from tests.command_process import Begun, begin
 
 STUDY = """
 name: crossings

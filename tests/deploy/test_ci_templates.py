@@ -177,7 +177,7 @@ def test_the_github_actions(job: Machine, wheel: Path, templates: Path, tmp_path
     check_patch(job, tmp_path, int(job.outputs["found"]))
 
 
-@pytest.mark.slow(seconds=120)
+@pytest.mark.slow(seconds=60)
 def test_the_gitlab_jobs(
     job: Machine, packages: Path, wheel: Path, templates: Path, repository: Path, tmp_path: Path
 ) -> None:
