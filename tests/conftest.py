@@ -13,11 +13,11 @@ import hypothesis
 import pytest
 
 from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.cli.service_process import running_service
 from drivora_service.execution.fork_server import ENVIRONMENT
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.store.database import open_database
 from drivora_service.worker.integrity import judging_code
+from tests.forked_service import forked_service
 
 # Machines differ in speed: a test fails for what it finds, not for how long it took to find it.
 hypothesis.settings.register_profile(
@@ -47,13 +47,40 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     return "mark.slow" not in collection_path.read_text() or None
 
 
+_LONG_S = 20.0
+"""Seconds from which a test is given to a process by itself, and not with its module."""
+
+
+# After those that are not wanted have been left out.
+@pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begins with the modules that take longest, so that none is left alone at the end."""
-    seconds: Counter[Path] = Counter()
+    """Lets every process begin with the longest tests, so that none is left alone with one.
+
+    Each is given a part of the items, of the same length and in their order; those that are done
+    take over the ends of others' parts.
+    """
+    seconds = {item: _seconds(item) for item in items}
+    of_modules: Counter[Path] = Counter()
     for item in items:
-        mark = item.get_closest_marker("slow")
-        seconds[item.path] += mark.kwargs.get("seconds", 0) if mark else 0
-    items.sort(key=lambda item: -seconds[item.path])
+        of_modules[item.path] += seconds[item]
+    long = [item for item in items if seconds[item] >= _LONG_S]
+    long.sort(key=lambda item: -seconds[item])
+    others = [item for item in items if seconds[item] < _LONG_S]
+    others.sort(key=lambda item: -of_modules[item.path])
+    left, items[:] = len(items), []
+    processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    for number in range(processes):
+        own = long[number::processes]
+        share = max((left - len(items)) // (processes - number) - len(own), 0)
+        items += [*own, *others[:share]]
+        del others[:share]
+    items += others
+
+
+def _seconds(item: pytest.Item) -> int:
+    mark = item.get_closest_marker("slow")
+    assert mark is None or not mark.args, f"{item.nodeid}: say slow(seconds=…)"
+    return 0 if mark is None else int(mark.kwargs.get("seconds", 0))
 
 
 _PRELOADED = (
@@ -119,5 +146,5 @@ def empty_database(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def service_url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Address of a real service, in a process of its own and with two workers."""
-    with running_service(tmp_path_factory.mktemp("service"), workers=2) as url:
+    with forked_service(tmp_path_factory.mktemp("service"), workers=2) as url:
         yield url

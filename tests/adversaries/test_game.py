@@ -71,7 +71,7 @@ def test_what_was_played_is_replayed_without_the_adversary(seed: int) -> None:
     check_replay(played)
 
 
-@pytest.mark.slow(seconds=60)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(path.name for path in EXAMPLES.glob("*.json")))
 @pytest.mark.parametrize("seed", [1, 2])
 def test_what_was_played_on_an_example_is_replayed(name: str, seed: int) -> None:

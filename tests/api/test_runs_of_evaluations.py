@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drivora_service.cli.main import app
-from drivora_service.cli.service_process import running_service
+from tests.forked_service import forked_service
 
 _CAMPAIGN = "openscenario_schemas/examples/campaigns/late-braking.yaml"
 
@@ -30,7 +30,7 @@ def command_campaign(repository: Path, tmp_path_factory: pytest.TempPathFactory)
 @pytest.fixture(scope="module")
 def service(command_campaign: Path) -> Iterator[httpx.Client]:
     with (
-        running_service(command_campaign, workers=1) as url,
+        forked_service(command_campaign, workers=1) as url,
         httpx.Client(base_url=url, timeout=60) as client,
     ):
         yield client

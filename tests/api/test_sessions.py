@@ -19,11 +19,11 @@ from drivora_service.api.examples import SCENARIO
 from drivora_service.api.routes import sessions as session_routes
 from drivora_service.api.sessions import COOKIE, MOST_SESSIONS, SessionFile
 from drivora_service.api.tokens import Scope, TokenFile
-from drivora_service.cli.service_process import running_service
 from drivora_service.errors import ConfigurationError
 from tests.api.conftest import MakeOffline, Offline
 from tests.api.test_problems import is_problem
 from tests.api.test_tokens import bearer
+from tests.forked_service import forked_service
 
 SESSION = "/api/v1/session"
 JOBS = "/api/v1/jobs"
@@ -278,7 +278,7 @@ def test_a_session_outlasts_a_restart_of_the_service(
     cookie = ""
     for _ in range(2):
         with (
-            running_service(data, workers=1) as url,
+            forked_service(data, workers=1) as url,
             httpx.Client(base_url=url, timeout=30) as client,
         ):
             if not cookie:

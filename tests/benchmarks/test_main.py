@@ -34,7 +34,7 @@ def test_a_page_is_written_from_a_result(tmp_path: Path) -> None:
     assert (tmp_path / "page.md").read_text() == page(read_result(path))
 
 
-@pytest.mark.slow(20)
+@pytest.mark.slow(seconds=20)
 def test_a_measurement_writes_its_result(tmp_path: Path) -> None:
     out = tmp_path / "result.json"
     assert main(["--short", "--rounds", "1", "--only", "step-cost", "--out", str(out)]) == 0

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import multiprocessing
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from typing import Any
 import pytest
 
 from drivora_service.api.examples import SCENARIO
-from tests.cli.command_process import fork_server_address, run_command
+from tests.command_process import begin
 
 _TIME_LIMIT_S = 120.0
 
@@ -43,7 +42,6 @@ Drivora = Callable[..., Ended]
 @pytest.fixture
 def drivora(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Drivora:
     """Runs ``drivora`` with a data folder of the test's own."""
-    context = multiprocessing.get_context("forkserver")
     numbers = itertools.count()
     printed = tmp_path_factory.mktemp("printed")
 
@@ -51,17 +49,12 @@ def drivora(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Drivora
         number = next(numbers)
         out, err = printed / f"{number}.out", printed / f"{number}.err"
         variables = {**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data"), **environment}
-        process = context.Process(
-            target=run_command,
-            args=([*map(str, arguments)], tmp_path, variables, out, err, fork_server_address()),
-        )
-        process.start()
-        process.join(_TIME_LIMIT_S)
-        code = process.exitcode
-        if code is None:
-            process.kill()
-            process.join()
-            raise AssertionError(f"drivora {arguments} did not end: {err.read_text()}")
+        begun = begin(*arguments, folder=tmp_path, environment=variables, out=out, err=err)
+        try:
+            code = begun.wait(_TIME_LIMIT_S)
+        except TimeoutError:
+            begun.kill()
+            raise AssertionError(f"drivora {arguments} did not end: {err.read_text()}") from None
         return Ended(code, out.read_text(), err.read_text())
 
     return run

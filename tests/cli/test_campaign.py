@@ -23,6 +23,7 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.studies.law_coverage import law_coverage
 from tests.campaigns.analytic import sequence
 from tests.cli.conftest import Drivora
+from tests.command_process import Begun, begin
 
 CAMPAIGN = """
 name: crossing
@@ -63,8 +64,15 @@ def evaluations(tmp_path: Path, campaign_id: str) -> list[EvaluationRecord]:
         opened.close()
 
 
+def begin_campaign(tmp_path: Path, *arguments: str | Path) -> Begun:
+    """Begins a command and does not wait for it."""
+    log = tmp_path / "campaign.log"
+    environment = {**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data")}
+    return begin("campaign", *arguments, folder=tmp_path, environment=environment, out=log, err=log)
+
+
 def start(tmp_path: Path, *arguments: str | Path) -> subprocess.Popen[bytes]:
-    """Starts a command and does not wait for it."""
+    """Does the same as a shell would, with a fork server of its own that ends with it."""
     command = [sys.executable, "-m", "drivora_service.cli", "campaign", *map(str, arguments)]
     with (tmp_path / "campaign.log").open("ab") as log:
         return subprocess.Popen(
@@ -76,7 +84,9 @@ def start(tmp_path: Path, *arguments: str | Path) -> subprocess.Popen[bytes]:
         )
 
 
-def wait_until_told(tmp_path: Path, process: subprocess.Popen[bytes], more_than: int) -> str:
+def wait_until_told(
+    tmp_path: Path, process: subprocess.Popen[bytes] | Begun, more_than: int
+) -> str:
     """Waits until the newest campaign has told more than so many evaluations; gives its id."""
     opened = database(tmp_path)
     try:
@@ -192,8 +202,8 @@ def test_a_killed_campaign_goes_on_as_if_nothing_had_happened(
     drivora: Drivora, campaign_file: Path, tmp_path: Path
 ) -> None:
     luck = random.Random(5)
-    campaign_file.write_text(CAMPAIGN.replace("simulations: 24", "simulations: 240"))
-    process = start(tmp_path, "run", campaign_file)
+    campaign_file.write_text(CAMPAIGN.replace("simulations: 24", "simulations: 90"))
+    process: subprocess.Popen[bytes] | Begun = start(tmp_path, "run", campaign_file)
     killed: list[int] = []
     campaign_id = ""
     for kill in range(3):
@@ -206,8 +216,8 @@ def test_a_killed_campaign_goes_on_as_if_nothing_had_happened(
         killed.append(len(evaluations(tmp_path, campaign_id)))
         assert drivora("campaign", "show", campaign_id, "--json").json()["state"] == "interrupted"
         if kill < 2:
-            process = start(tmp_path, "resume", campaign_id, "--workers", str(1 + kill))
-    assert 0 < killed[0] < killed[1] < killed[2] < 240
+            process = begin_campaign(tmp_path, "resume", campaign_id, "--workers", str(1 + kill))
+    assert 0 < killed[0] < killed[1] < killed[2] < 90
     result: dict[str, Any] = drivora("campaign", "resume", campaign_id, "--json").json()
     assert result["state"] == "finished"
     whole = drivora("campaign", "run", campaign_file, "--json").json()["id"]
@@ -221,14 +231,14 @@ def test_an_interrupt_pauses_and_another_process_can_ask_for_it(
 ) -> None:
     # It must not end before the command that asks for a pause has got ready.
     campaign_file.write_text(CAMPAIGN.replace("simulations: 24", "simulations: 2000"))
-    process = start(tmp_path, "run", campaign_file)
+    process = begin_campaign(tmp_path, "run", campaign_file)
     campaign_id = wait_until_told(tmp_path, process, 2)
     process.send_signal(signal.SIGINT)
     assert process.wait(60.0) == 3
     assert drivora("campaign", "show", campaign_id, "--json").json()["state"] == "paused"
 
     told = len(evaluations(tmp_path, campaign_id))
-    process = start(tmp_path, "resume", campaign_id)
+    process = begin_campaign(tmp_path, "resume", campaign_id)
     wait_until_told(tmp_path, process, told + 2)
     asked = drivora("campaign", "pause", campaign_id, "--json").json()
     assert asked["state"] in ("running", "paused")
@@ -247,7 +257,7 @@ def test_a_campaign_that_the_database_stops_says_so_and_can_be_resumed(
     campaign_file: Path, tmp_path: Path
 ) -> None:
     campaign_file.write_text(CAMPAIGN.replace("simulations: 24", "simulations: 2000"))
-    process = start(tmp_path, "run", campaign_file)
+    process = begin_campaign(tmp_path, "run", campaign_file)
     campaign_id = wait_until_told(tmp_path, process, 0)
     file = tmp_path / "data" / "drivora.sqlite3"
     with closing(sqlite3.connect(file, timeout=30.0, isolation_level=None)) as other:

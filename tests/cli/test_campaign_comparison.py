@@ -18,12 +18,12 @@ from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.local_evaluator import LOCAL
 from drivora_service.campaigns.reading import read_campaign
 from drivora_service.campaigns.stored import new_campaign, run_stored
-from drivora_service.cli.service_process import running_service
 from drivora_service.execution.executor import Limits
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.store.database import open_database
 from drivora_service.worker.setup import WorkerSetup
 from tests.cli.conftest import Drivora
+from tests.forked_service import forked_service
 
 TESTERS = ("random", "avfuzzer")
 SEEDS = (1, 2, 3)
@@ -116,7 +116,7 @@ def test_real_campaigns_are_compared_and_reported(
 
     failing = next(f for f in result["campaigns"] if f["failing"])
     far = tmp_path / "far" / "first.md"
-    with running_service(tmp_path / "data", workers=1) as url:
+    with forked_service(tmp_path / "data", workers=1) as url:
         server = ("--server", url)
         asked = drivora("campaign", "compare", "study-*", *server, "--json")
         # Another data folder: all comes from the service.

@@ -11,7 +11,7 @@ from drivora_service.cli.campaign_files import shipped_campaigns
 from drivora_service.search.space.presets import PRESETS
 from tests.campaigns.analytic import sequence
 from tests.cli.conftest import Drivora
-from tests.cli.test_campaign import evaluations, start, wait_until_told
+from tests.cli.test_campaign import begin_campaign, evaluations, wait_until_told
 
 SIMULATIONS = 24
 
@@ -78,10 +78,9 @@ def test_every_method_searches_the_spaces(
 def test_workers_and_kills_change_nothing(drivora: Drivora, tmp_path: Path) -> None:
     own = {"preset": "avfuzzer", "max_deceleration": 6.0, "weather": True}
     path = campaign_of("avfuzzer", own, tmp_path)
-    process = start(tmp_path, "run", path, "--workers", "1")
+    process = begin_campaign(tmp_path, "run", path, "--workers", "1")
     campaign_id = wait_until_told(tmp_path, process, 0)
     process.kill()
-    process.wait()
     assert 0 < len(evaluations(tmp_path, campaign_id)) < SIMULATIONS
     ended = drivora("campaign", "resume", campaign_id, "--workers", "2", "--json")
     assert ended.code == 0, ended.err

@@ -21,6 +21,7 @@ from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.store.database import open_database
 from tests.campaigns.analytic import sequence
 from tests.cli.conftest import Drivora
+from tests.command_process import Begun, begin
 
 STUDY = """
 name: crossings
@@ -45,8 +46,15 @@ def study_file(tmp_path: Path) -> Path:
     return path
 
 
+def begin_study(tmp_path: Path, *arguments: str | Path) -> Begun:
+    """Begins a command and does not wait for it."""
+    log = tmp_path / "study.log"
+    environment = {**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data")}
+    return begin("study", *arguments, folder=tmp_path, environment=environment, out=log, err=log)
+
+
 def start(tmp_path: Path, *arguments: str | Path) -> subprocess.Popen[bytes]:
-    """Starts a command and does not wait for it."""
+    """Does the same as a shell would, with a fork server of its own that ends with it."""
     command = [sys.executable, "-m", "drivora_service.cli", "study", *map(str, arguments)]
     with (tmp_path / "study.log").open("ab") as log:
         return subprocess.Popen(
@@ -58,7 +66,7 @@ def start(tmp_path: Path, *arguments: str | Path) -> subprocess.Popen[bytes]:
         )
 
 
-def wait_until_told(data: Path, process: subprocess.Popen[bytes], more_than: int) -> str:
+def wait_until_told(data: Path, process: subprocess.Popen[bytes] | Begun, more_than: int) -> str:
     """Waits until the study has more than so many simulations; returns its id."""
     opened = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
     try:
@@ -110,7 +118,7 @@ def test_a_killed_study_goes_on_elsewhere_as_if_nothing_had_happened(
 ) -> None:
     luck = random.Random(3)
     data = tmp_path / "data"
-    process = start(tmp_path, "run", study_file)
+    process: subprocess.Popen[bytes] | Begun = start(tmp_path, "run", study_file)
     study_id = wait_until_told(data, process, 5)
     for more in (20, 45):
         time.sleep(luck.uniform(0.0, 0.2))
@@ -118,7 +126,7 @@ def test_a_killed_study_goes_on_elsewhere_as_if_nothing_had_happened(
         process.wait()
         shown = drivora("study", "show", study_id, "--json").json()
         assert shown["state"] == "interrupted"
-        process = start(tmp_path, "resume", study_id, "--workers", "1")
+        process = begin_study(tmp_path, "resume", study_id, "--workers", "1")
         assert wait_until_told(data, process, more) == study_id
     process.kill()
     process.wait()
@@ -166,7 +174,7 @@ def test_a_study_is_paused_and_cancelled_by_other_commands(
     drivora: Drivora, study_file: Path, tmp_path: Path
 ) -> None:
     study_file.write_text(STUDY.replace("simulations: 10", "simulations: 2000"))
-    process = start(tmp_path, "run", study_file)
+    process = begin_study(tmp_path, "run", study_file)
     study_id = wait_until_told(tmp_path / "data", process, 2)
     refused = drivora("study", "resume", study_id)
     assert refused.code == 3
@@ -180,7 +188,7 @@ def test_a_study_is_paused_and_cancelled_by_other_commands(
     assert (listed["id"], listed["state"]) == (study_id, "paused")
 
     # While another command runs it, it is cancelled.
-    process = start(tmp_path, "resume", study_id)
+    process = begin_study(tmp_path, "resume", study_id)
     wait_until_told(tmp_path / "data", process, paused["simulations"] + 2)
     cancelled = drivora("study", "cancel", study_id)
     assert cancelled.code == 0

@@ -12,11 +12,11 @@ import pytest
 
 from drivora_service.api.examples import SCENARIO
 from drivora_service.campaigns.store_journal import StoreJournal
-from drivora_service.cli.service_process import running_service
 from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.store.database import Database, open_database
 from tests.campaigns.analytic import sequence
 from tests.cli.conftest import Drivora
+from tests.forked_service import forked_service
 
 STUDY = """
 name: models
@@ -107,7 +107,7 @@ def test_a_service_shows_compares_and_exports_the_same(
     assert len(files) == 6 + 6
     for path in files:
         path.unlink()
-    with running_service(data, workers=1) as url:
+    with forked_service(data, workers=1) as url:
         there = {
             # Another data folder: all comes from the service.
             name: drivora(*arguments, "--server", url, DRIVORA_DATA_DIR=str(tmp_path / "none"))

@@ -7,7 +7,7 @@ import re
 import shutil
 import signal
 import subprocess
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -118,18 +118,34 @@ def run_action(
     return failed
 
 
-def run_gitlab_job(
-    job: Machine, template: Path, name: str, variables: Mapping[str, str], *, install: bool
-) -> int:
+def install_as_gitlab(job: Machine, template: Path, name: str, variables: Mapping[str, str]) -> int:
+    """Runs the ``before_script`` of a job of a GitLab template; returns its exit code."""
+    return _gitlab_lines(job, template, name, variables, lambda before, _: before)
+
+
+def run_gitlab_job(job: Machine, template: Path, name: str, variables: Mapping[str, str]) -> int:
     """Runs a job of a GitLab template in a POSIX shell; returns its exit code.
+
+    Of its ``before_script``, which has been run, it repeats what ends with the shell.
 
     Args:
         job: The machine.
         template: The file.
         name: The job.
         variables: Those of the user.
-        install: Whether its ``before_script`` is run.
     """
+    return _gitlab_lines(
+        job, template, name, variables, lambda before, script: [before[-1], *script]
+    )
+
+
+def _gitlab_lines(
+    job: Machine,
+    template: Path,
+    name: str,
+    variables: Mapping[str, str],
+    chosen: Callable[[list[str], list[str]], list[str]],
+) -> int:
     content = yaml.safe_load(template.read_text())
     chain = [content[name]]
     while "extends" in chain[0]:
@@ -139,8 +155,7 @@ def run_gitlab_job(
     for one in chain:
         defined |= one.get("variables", {})
         scripts |= {key: one[key] for key in ("before_script", "script") if key in one}
-    lines = [*(scripts["before_script"] if install else scripts["before_script"][-1:])]
-    lines += scripts["script"]
+    lines = chosen(scripts["before_script"], scripts["script"])
     unset = dict.fromkeys(("CI_NODE_INDEX", "CI_NODE_TOTAL"), "")
     return job.shell(["sh", "-ec"], "\n".join(lines), {**unset, **defined, **variables})
 

@@ -34,7 +34,7 @@ def test_tutorial_and_how_tos_have_commands() -> None:
     assert PAGES == WITH_COMMANDS
 
 
-@pytest.mark.slow(seconds=15)
+@pytest.mark.slow(seconds=30)
 @pytest.mark.parametrize("page", WITH_COMMANDS)
 def test_commands_work_as_they_are_written(page: str, tmp_path: Path) -> None:
     commands = commands_of((_ROOT / page).read_text())

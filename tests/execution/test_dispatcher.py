@@ -212,7 +212,7 @@ def test_nothing_is_lost_or_counted_twice_when_the_server_is_killed(
     runs = submit(database, *(f"sleep {0.03 + 0.0001 * number}" for number in range(200)))
     luck = random.Random(7)
     interrupted = 0
-    for _ in range(5):
+    for _ in range(3):
         server = start_server(tmp_path)
         wait_until_running(database, 1)
         time.sleep(luck.uniform(0.0, 3.0))

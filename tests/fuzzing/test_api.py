@@ -18,7 +18,7 @@ import pytest
 
 from drivora_service.api.examples import CAMPAIGN, SCENARIO
 from drivora_service.api.tokens import Scope, TokenFile
-from drivora_service.cli.service_process import running_service
+from tests.forked_service import forked_service
 
 pytestmark = pytest.mark.slow(seconds=30)
 
@@ -97,7 +97,7 @@ def check(done: subprocess.CompletedProcess[str], url: str, headers: dict[str, s
 
 def test_nothing_is_found_without_tokens(repository: Path, tmp_path: Path) -> None:
     data = tmp_path / "data"
-    with running_service(data, workers=1) as url:
+    with forked_service(data, workers=1) as url:
         with httpx.Client(base_url=url, timeout=60) as client:
             fill(client)
         check(schemathesis(repository, tmp_path, url), url, {})
@@ -111,7 +111,7 @@ def test_nothing_is_found_where_tokens_are_needed(
     data = tmp_path / "data"
     secret = TokenFile(data / "tokens.json").create("fuzzer", Scope.ADMIN)
     headers = {"Authorization": f"Bearer {secret}"}
-    with running_service(data, workers=1) as url:
+    with forked_service(data, workers=1) as url:
         with httpx.Client(base_url=url, headers=headers, timeout=60) as client:
             fill(client)
             assert httpx.get(f"{url}{PREFIX}/jobs").status_code == 401

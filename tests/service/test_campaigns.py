@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
-import json
 import random
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,18 +24,18 @@ from drivora_service.campaigns.local_evaluator import LOCAL
 from drivora_service.campaigns.preparing import prepare_search
 from drivora_service.campaigns.reading import read_campaign
 from drivora_service.campaigns.store_journal import StoreJournal
-from drivora_service.cli.service_process import running_service
 from drivora_service.execution.executor import Limits
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.store.database import open_database
 from drivora_service.worker.setup import WorkerSetup
 from tests.campaigns.analytic import sequence
+from tests.forked_service import forked_service, killed_service
 
 pytestmark = pytest.mark.slow(seconds=10)
 
 TESTERS = ("random", "avfuzzer")
-KILLS = 3
+KILLS = 2
 SIMULATIONS = 60
 _LONG_S = 240.0
 
@@ -85,7 +82,7 @@ class Served:
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     """A service with two workers, which each test leaves with nothing to do."""
     folder = tmp_path_factory.mktemp("served")
-    with running_service(folder, workers=2) as url:
+    with forked_service(folder, workers=2) as url:
         yield Served(url, folder)
 
 
@@ -240,7 +237,7 @@ def test_a_server_that_is_killed_again_and_again_runs_the_same_campaign(
     campaign_id = ""
     moments: list[int] = []
     for kill in range(KILLS):
-        with killed_server(tmp_path) as client:
+        with killed_service(tmp_path) as (_, url), client_of(url) as client:
             if kill == 0:
                 campaign_id = post(client, document(tester))
             known = moments[-1] if moments else 0
@@ -252,40 +249,11 @@ def test_a_server_that_is_killed_again_and_again_runs_the_same_campaign(
         # The kernel ends it with its parent.
         engine.wait(30.0)
         moments.append(len(evaluations(tmp_path, campaign_id)))
-    assert 0 < moments[0] < moments[1] < moments[2] < SIMULATIONS
-    with running_service(tmp_path, workers=2) as url, client_of(url) as client:
+    assert 0 < moments[0] < moments[1] < SIMULATIONS
+    with forked_service(tmp_path, workers=2) as url, client_of(url) as client:
         last = follow(client, campaign_id, until="finished")[-1]
         batch = client.get(f"/batches/{last['batch_id']}").json()
     # One run for each simulation, and one again for each failing one.
     assert batch["size"] == SIMULATIONS + last["counts"]["violating"]
     assert batch["counts"] == {"finished": batch["size"]}
     assert sequence(evaluations(tmp_path, campaign_id)) == sequence(references[tester])
-
-
-@contextlib.contextmanager
-def killed_server(data_dir: Path) -> Iterator[httpx.Client]:
-    """A server that is killed at the end."""
-    announcement = data_dir / "service.json"
-    announcement.unlink(missing_ok=True)
-    command = [sys.executable, "-m", "drivora_service.cli", "serve", "--port", "0"]
-    with (data_dir / "service.log").open("ab") as log:
-        server = subprocess.Popen(
-            [*command, "--data-dir", str(data_dir), "--workers", "2"], stdout=log, stderr=log
-        )
-    try:
-        with client_of(_wait_until_ready(announcement)) as client:
-            yield client
-    finally:
-        server.kill()
-        server.wait()
-
-
-def _wait_until_ready(announcement: Path) -> str:
-    deadline = time.monotonic() + 60.0
-    while time.monotonic() < deadline:
-        with contextlib.suppress(OSError, httpx.HTTPError):
-            url: str = json.loads(announcement.read_text())["url"]
-            if httpx.get(f"{url}/readyz").is_success:
-                return url
-        time.sleep(0.05)
-    raise AssertionError("the service was not ready in time")

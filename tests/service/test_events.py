@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import socket
-import subprocess
-import sys
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
@@ -22,39 +17,10 @@ from drivora_service.client import Client, Event
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.change_lists import ChangedKind
 from drivora_service.store.database import open_database
+from tests.forked_service import killed_service
 
-RUNS = 500
-KILLS = 3
-
-
-@contextmanager
-def served(folder: Path, port: int) -> Iterator[subprocess.Popen[bytes]]:
-    """A service with two workers, always at the same address, killed at the end."""
-    announcement = folder / "service.json"
-    announcement.unlink(missing_ok=True)
-    command = [sys.executable, "-m", "drivora_service.cli", "serve", "--port", str(port)]
-    with (folder / "service.log").open("ab") as log:
-        server = subprocess.Popen(
-            [*command, "--data-dir", str(folder), "--workers", "2"], stdout=log, stderr=log
-        )
-    try:
-        deadline = time.monotonic() + 60.0
-        while not _is_ready(announcement):
-            assert server.poll() is None
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
-        yield server
-    finally:
-        server.kill()
-        server.wait()
-
-
-def _is_ready(announcement: Path) -> bool:
-    try:
-        url = json.loads(announcement.read_text())["url"]
-        return httpx.get(f"{url}/readyz").is_success
-    except (OSError, ValueError, httpx.HTTPError):
-        return False
+RUNS = 300
+KILLS = 2
 
 
 def free_port() -> int:
@@ -90,7 +56,7 @@ def test_a_reader_misses_no_end_of_a_run_however_often_the_service_is_killed(
     batch_id = ""
     with Client(url, retry_s=120.0) as client:
         for kill in range(KILLS):
-            with served(tmp_path, port):
+            with killed_service(tmp_path, port=port):
                 if not kill:
                     # Nobody listens yet while the first runs are queued: they are told, too.
                     documents = [{**SCENARIO, "seed": seed} for seed in range(RUNS)]
@@ -107,7 +73,7 @@ def test_a_reader_misses_no_end_of_a_run_however_often_the_service_is_killed(
                     assert time.monotonic() < deadline
                     time.sleep(0.01)
             assert not finished.is_set(), "too few runs are left to be interrupted"
-        with served(tmp_path, port):
+        with killed_service(tmp_path, port=port):
             assert finished.wait(120.0), told
         listener.join()
     database = open_database(f"sqlite:///{tmp_path / 'drivora.sqlite3'}")
@@ -124,10 +90,8 @@ def test_a_reader_misses_no_end_of_a_run_however_often_the_service_is_killed(
 
 def test_streams_end_at_once_when_the_service_is_stopped(tmp_path: Path) -> None:
     with (
-        served(tmp_path, free_port()) as server,
-        httpx.Client(
-            base_url=json.loads((tmp_path / "service.json").read_text())["url"], timeout=30.0
-        ) as client,
+        killed_service(tmp_path) as (server, url),
+        httpx.Client(base_url=url, timeout=30.0) as client,
         client.stream("GET", "/api/v1/events?kind=run") as answer,
         client.stream("GET", "/api/v1/events?kind=run") as other,
     ):
@@ -139,5 +103,4 @@ def test_streams_end_at_once_when_the_service_is_stopped(tmp_path: Path) -> None
         assert all(list(part) == [] for part in parts)
         # The server would else wait 5 s for answers that go on.
         assert time.monotonic() - begun < 4.0
-        server.wait(30.0)
-        assert server.returncode == 0
+        assert server.wait(30.0) == 0

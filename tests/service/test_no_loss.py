@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import random
-import subprocess
-import sys
 import time
 from collections import Counter
 from pathlib import Path
@@ -13,19 +11,19 @@ from pathlib import Path
 import httpx
 import pytest
 
-from drivora_service.cli.service_process import running_service
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.report import RunStatus
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seeds import generate_seeds
 from drivora_service.store.database import open_database
+from tests.forked_service import forked_service, killed_service
 
-RUNS = 200
-KILLS = 5
+RUNS = 120
+KILLS = 3
 
 
 def batch_lines() -> str:
-    """Returns 200 short drives."""
+    """Returns short drives."""
     network = NetworkCatalogue(shipped_networks()).get("tee-town")
     seeds = generate_seeds(network, count=40, min_length=60, max_length=150, seed=4, agent="idm")
     documents = [json.loads(document_text(seed)) for seed in seeds]
@@ -38,32 +36,20 @@ def test_every_run_is_judged_exactly_once(tmp_path: Path) -> None:
     batch = ""
     interrupted = 0
     for kill in range(KILLS):
-        announcement = tmp_path / "service.json"
-        announcement.unlink(missing_ok=True)
-        command = [sys.executable, "-m", "drivora_service.cli", "serve", "--port", "0"]
-        with (tmp_path / "service.log").open("ab") as log:
-            server = subprocess.Popen(
-                [*command, "--data-dir", str(tmp_path), "--workers", "2"], stdout=log, stderr=log
-            )
-        try:
-            with httpx.Client(timeout=60.0) as client:
-                url = _wait_until_ready(client, announcement)
-                if kill == 0:
-                    answer = client.post(
-                        f"{url}/api/v1/batches",
-                        content=lines,
-                        headers={"Content-Type": "application/x-ndjson"},
-                    )
-                    batch = answer.raise_for_status().json()["batch"]["id"]
-                # At any moment of the workers' work, however fast they are.
-                _wait_until_done(client, f"{url}/api/v1/batches/{batch}", luck.randrange(5, 25))
-                time.sleep(luck.uniform(0.0, 0.3))
-        finally:
-            server.kill()
-            server.wait()
+        with killed_service(tmp_path) as (_, url), httpx.Client(timeout=60.0) as client:
+            if kill == 0:
+                answer = client.post(
+                    f"{url}/api/v1/batches",
+                    content=lines,
+                    headers={"Content-Type": "application/x-ndjson"},
+                )
+                batch = answer.raise_for_status().json()["batch"]["id"]
+            # At any moment of the workers' work, however fast they are.
+            _wait_until_done(client, f"{url}/api/v1/batches/{batch}", luck.randrange(5, 25))
+            time.sleep(luck.uniform(0.0, 0.3))
         interrupted += _statuses(tmp_path)[RunStatus.RUNNING]
     with (
-        running_service(tmp_path, workers=2) as url,
+        forked_service(tmp_path, workers=2) as url,
         httpx.Client(base_url=f"{url}/api/v1", timeout=60.0) as client,
     ):
         deadline = time.monotonic() + 240.0
@@ -74,20 +60,6 @@ def test_every_run_is_judged_exactly_once(tmp_path: Path) -> None:
     assert interrupted > 0
     assert {status: n for status, n in counts.items() if n} == {"finished": RUNS}
     assert _statuses(tmp_path) == {RunStatus.FINISHED: RUNS}
-
-
-def _wait_until_ready(client: httpx.Client, announcement: Path) -> str:
-    deadline = time.monotonic() + 60.0
-    while time.monotonic() < deadline:
-        if announcement.is_file():
-            url: str = json.loads(announcement.read_text())["url"]
-            try:
-                if client.get(f"{url}/readyz").is_success:
-                    return url
-            except httpx.HTTPError:
-                pass
-        time.sleep(0.05)
-    raise AssertionError("the service was not ready in time")
 
 
 def _wait_until_done(client: httpx.Client, batch: str, more: int) -> None:

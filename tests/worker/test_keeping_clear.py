@@ -106,7 +106,7 @@ def entries(trace: Trace, path: Floats) -> set[str]:
     return found
 
 
-@pytest.mark.slow(seconds=120)
+@pytest.mark.slow
 @pytest.mark.parametrize("town", ["tee-town", "arterial"])
 @pytest.mark.parametrize("behavior", [NpcBehavior.REPLAY, NpcBehavior.REACTIVE])
 def test_no_added_actor_enters_the_area_in_the_real_simulation(

@@ -45,7 +45,7 @@ def test_an_environment_is_not_installed_unasked(tmp_path: Path) -> None:
     assert not (tmp_path / "cache").exists()
 
 
-@pytest.mark.slow(10)
+@pytest.mark.slow(seconds=10)
 def test_an_environment_is_installed_once(tmp_path: Path) -> None:
     requirements = tmp_path / "nothing.txt"
     requirements.write_text("")
@@ -54,7 +54,7 @@ def test_an_environment_is_installed_once(tmp_path: Path) -> None:
     assert environment(requirements, tmp_path / "cache", install=False) == python
 
 
-@pytest.mark.slow(10)
+@pytest.mark.slow(seconds=10)
 def test_what_cannot_be_installed_is_said_and_tried_again(tmp_path: Path) -> None:
     requirements = tmp_path / "wrong.txt"
     requirements.write_text("./no-such-package\n")

@@ -292,7 +292,7 @@ def _points(lane: Lane, s: np.ndarray) -> np.ndarray:
     return np.stack([np.interp(s, arc, shape[:, k]) for k in (0, 1)], axis=1)
 
 
-@pytest.mark.slow(60)
+@pytest.mark.slow(seconds=60)
 def test_laws_agree_with_oracles_in_the_cases_of_responsibility() -> None:
     """None of the cases is one of those in which a law and an oracle differ (see above)."""
     laws = tuple(LawOracle(law=library().law(name)) for name in library().names())

@@ -41,6 +41,8 @@ def test_what_needs_the_extra_passes_with_it(repository: Path, tmp_path: Path) -
     subprocess.run(
         [
             python, "-m", "pip", "install", "--quiet", "--no-input", "--disable-pip-version-check",
+            # Thousands of modules, of which the tests import a few.
+            "--no-compile",
             *project["optional-dependencies"]["adversary"],
         ],
         check=True,

@@ -1,0 +1,111 @@
+"""Commands in processes of their own, from the fork server of the tests."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from multiprocessing import forkserver
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Begun:
+    """A command that may not have ended, with the methods of `subprocess.Popen`."""
+
+    process: BaseProcess
+
+    def poll(self) -> int | None:
+        """Its exit code, if it has ended."""
+        return self.process.exitcode
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Waits for its end, and returns its exit code."""
+        self.process.join(timeout)
+        code = self.process.exitcode
+        if code is None:
+            raise TimeoutError
+        return code
+
+    def kill(self) -> None:
+        """Kills it, and waits until it is gone."""
+        self.process.kill()
+        self.process.join()
+
+    def send_signal(self, number: int) -> None:
+        """Sends it a signal."""
+        assert self.process.pid is not None
+        os.kill(self.process.pid, number)
+
+
+def begin(
+    *arguments: str | Path, folder: Path, environment: Mapping[str, str], out: Path, err: Path
+) -> Begun:
+    """Begins ``drivora`` with these arguments, and does not wait for it.
+
+    Args:
+        arguments: What follows ``drivora``.
+        folder: The folder in which it runs.
+        environment: Its environment.
+        out: File to which it prints; it is appended to.
+        err: File of its errors; may be the same.
+    """
+    process = multiprocessing.get_context("forkserver").Process(
+        target=_run_command,
+        args=([*map(str, arguments)], folder, dict(environment), out, err, _fork_server_address()),
+    )
+    process.start()
+    return Begun(process)
+
+
+def _fork_server_address() -> str:
+    """Returns the address of the fork server of this process, which is started if need be."""
+    forkserver.ensure_running()
+    address: str = _fork_server()._forkserver_address
+    return address
+
+
+def _run_command(
+    arguments: Sequence[str],
+    folder: Path,
+    environment: dict[str, str],
+    out: Path,
+    err: Path,
+    address: str,
+) -> None:
+    """Is ``drivora`` with these arguments: ends as it does, with its exit code.
+
+    Its workers come from the fork server at an address.
+    """
+    _use_fork_server(address)
+    os.chdir(folder)
+    os.environ.clear()
+    os.environ.update(environment)
+    for path, descriptor in ((out, 1), (err, 2)):
+        file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+        os.dup2(file, descriptor)
+        os.close(file)
+    sys.argv = ["drivora", *arguments]
+    from drivora_service.cli.main import app
+
+    app()
+
+
+def _use_fork_server(address: str) -> None:
+    """Uses a fork server that runs; one for each command would only repeat its imports.
+
+    Commands that a shell starts, as the pages of the documentation do, have one of their own.
+    """
+    server = _fork_server()
+    server._forkserver_address = address
+    # It is not a child of this process, which therefore cannot ask whether it lives.
+    server.ensure_running = lambda: None
+    vars(forkserver)["ensure_running"] = server.ensure_running
+
+
+def _fork_server() -> Any:
+    return vars(forkserver)["_forkserver"]
