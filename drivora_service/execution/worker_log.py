@@ -12,6 +12,7 @@ _TAIL_BYTES = 16_384
 _TAIL_LINES = 40
 _KEPT_BYTES = 256 << 10
 """Bytes at the end of a log that are kept when it is cut."""
+_MODE = 0o600
 
 
 class WorkerLog:
@@ -47,7 +48,7 @@ class WorkerLog:
                 with contextlib.suppress(FileNotFoundError):
                     self._path.unlink()
                 flags = os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
-                self._file = os.open(self._path, flags, 0o600)
+                self._file = os.open(self._path, flags, _MODE)
             return self._file
 
     def _is_in_place(self) -> bool:
@@ -94,6 +95,10 @@ class WorkerLog:
             size = self._size()
             if size <= self._longest:
                 return size
+            # Waits until a write that is under way has ended, as the truncation would: otherwise
+            # its end, such as the last words of a process, would be cut unread.
+            os.fchmod(self._file, _MODE)
+            size = self._size()
             kept = os.pread(self._file, _KEPT_BYTES, size - _KEPT_BYTES)
             os.ftruncate(self._file, 0)
             line = f"[the log grew beyond {self._longest} bytes; only its end was kept]\n".encode()
