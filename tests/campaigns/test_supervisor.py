@@ -130,7 +130,7 @@ def test_an_engine_queues_runs_and_never_loads_the_simulator(
     service.supervisor.start()
     engine = psutil.Process(service.engine(campaign))
     assert service.record(campaign).state is RUNNING
-    assert service.queued
+    wait_until(lambda: bool(service.queued))
     assert engine.pid != os.getpid()
     assert not [m.path for m in engine.memory_maps() if "libsumo" in m.path]
     service.supervisor.stop()

@@ -104,7 +104,7 @@ def test_a_service_shows_compares_and_exports_the_same(
     }
     here = {name: drivora(*arguments, "--data-dir", data) for name, arguments in asked.items()}
     files = {path: path.read_bytes() for path in tmp_path.glob("*ed/*")}
-    assert len(files) == 6 + 6
+    assert len(files) == 9 + 6
     for path in files:
         path.unlink()
     with forked_service(data, workers=1) as url:
