@@ -211,7 +211,7 @@ def test_the_gitlab_jobs(
 
 
 def copy_machine_code(package: Path, installed: Path) -> None:
-    """Gives an installed package the machine code of the checkout, if there is any.
+    """Copies the machine code of the checkout, if there is any, to an installed package.
 
     It is valid for files that have the same content and are as old.
     """
