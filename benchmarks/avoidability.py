@@ -21,13 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.method_study import (
-    ARMS,
-    SCENES,
-    Scene,
-    campaign_document,
-    catalogues,
-)
+from benchmarks.method_study import ARMS, SCENES, Scene, campaign_document
+from benchmarks.search_scenes import catalogues
 from drivora_service.campaigns.preparing import prepare_search
 from drivora_service.campaigns.reading import read_campaign
 from drivora_service.networks.catalogue import shipped_networks

@@ -21,14 +21,11 @@ import itertools
 import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.grouping import Grouping
 from drivora_service.cli.campaign_files import shipped_campaigns
-from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.failure_facts import relation
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.studies.comparison import compare_campaigns, measure
@@ -123,12 +120,6 @@ ARMS = (
     Arm(tester="doppeltest", egos="several egos", target="kinds"),
 )
 TWINS = tuple(replace(arm, feedback="shuffled") for arm in ARMS if arm.tester != "random")
-
-
-@cache
-def catalogues() -> Catalogues:
-    """Returns the catalogues of campaigns; one a process."""
-    return Catalogues(NetworkCatalogue(shipped_networks()))
 
 
 def campaign_document(scene: Scene, arm: Arm, repetition: int, simulations: int) -> dict[str, Any]:

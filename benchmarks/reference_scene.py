@@ -15,7 +15,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from benchmarks.method_study import catalogues
+from benchmarks.search_scenes import catalogues
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.observations.reference_path import recorded_path
 from drivora_service.observations.run_view import RunView

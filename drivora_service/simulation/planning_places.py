@@ -48,7 +48,7 @@ def plan_obstacle(obstacle: NpcObstacle, network: RoadNetwork) -> ObstaclePlan:
 
 
 def nearest_edge(network: RoadNetwork, x: float, y: float) -> str:
-    """Returns the edge nearest to a place; one that vehicles may use."""
+    """Returns the road edge nearest to a place; in a junction, or far from all, the first one."""
     place = nearest_lane_position(network, x, y, max_distance=200.0)
     lane = None if place is None else network.lanes[place.lane]
     if lane is not None and not lane.is_internal:
