@@ -132,7 +132,9 @@ def match_places(network: RoadNetwork, places: Sequence[Place]) -> RouteMatch | 
         exact = _matched(graph, places, kept, strict)
         if not any(leg.is_detour for leg in exact.legs):
             return exact
-    way = search(graph, [place.near for place in places])
+    way = strict
+    if any(place.near != place.named for place in places):
+        way = search(graph, [place.near for place in places])
     if isinstance(way, int):
         return way if isinstance(strict, int) else exact
     if len(places) >= MIN_TRACK:
