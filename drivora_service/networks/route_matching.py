@@ -168,7 +168,9 @@ def _matched(
         )
         for first, last, passes in zip(kept, kept[1:], way.legs, strict=False)
     )
-    left_out = tuple(sorted(set(range(len(places))) - set(kept)))
+    left_out: tuple[int, ...] = ()
+    if len(kept) < len(places):
+        left_out = tuple(sorted(set(range(len(places))) - set(kept)))
     return RouteMatch(passes=way.passes, legs=legs, left_out=left_out)
 
 

@@ -175,10 +175,15 @@ def _search_leg(
             for j, target in enumerate(targets):
                 leg.reach(j, source_costs[i] + _straight_on(graph, source, target), (i, -1))
 
+    cheapest = min([target.cost for target in targets])
+    bound = max(leg.costs)
+    limit = leg.total() if last else math.inf
     cost_to: dict[int, float] = {}
     queue: list[tuple[float, int]] = []
     for i, source in enumerate(sources):
-        if math.isinf(source_costs[i]):
+        # No way to another edge is shorter than that to the end of the source's own.
+        least = source_costs[i] + (graph.lengths[source.lane] - source.s)
+        if least >= bound or least + cheapest > limit:
             continue
         first = leaving(graph.lengths, graph.siblings, graph.successors, source.lane, source.s)
         for step in (*first, *_turns_asked_for(graph, source, targets)):
@@ -190,10 +195,7 @@ def _search_leg(
                 leg.parents[step.lane] = (-1, i, step.exit_lane)
                 heappush(queue, (cost, step.lane))
 
-    cheapest = min([target.cost for target in targets])
-    bound = max(leg.costs)
-    limit = leg.total() if last else math.inf
-    if not queue or queue[0][0] >= bound or queue[0][0] + cheapest > limit:
+    if not queue:
         return leg
     doors = _doors(graph, targets)
     settled: set[int] = set()
