@@ -29,6 +29,7 @@ from typing import Any
 
 from benchmarks.method_campaigns import TELLING, generated_campaign, telling_campaign
 from benchmarks.methods import METHODS, installed_methods
+from drivora_service.campaigns.arithmetic import use_one_thread
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.conducting import conduct
 from drivora_service.campaigns.folder import CampaignFolder
@@ -68,6 +69,8 @@ def run_whole(
     valid = read_campaign(json.dumps(document), catalogues)
     search = prepare_search(valid, catalogues, run_prefix="check")
     journal = MemoryJournal()
+    # As in the process of a campaign: more threads take the cores of its workers.
+    use_one_thread()
     with (
         tempfile.TemporaryDirectory() as folder,
         LocalExecutor(slots=workers, setup=setup, folder=Path(folder)) as executor,

@@ -47,10 +47,12 @@ def nearest_lane_position(
     Returns:
         None if no lane is within ``max_distance``.
     """
-    near = lane_positions_near(
-        network, x, y, max_distance=max_distance, heading=heading, drivable=drivable
-    )
-    return near[0] if near else None
+    lanes, places, cost = _near_lanes(network, x, y, max_distance, heading, drivable)
+    if not len(lanes):
+        return None
+    nearest = np.lexsort((lanes, cost))[0]
+    s, lateral, direction = places[nearest].tolist()
+    return LanePosition(lane=int(lanes[nearest]), s=s, lateral=lateral, heading=direction)
 
 
 def lane_positions_near(
@@ -73,6 +75,26 @@ def lane_positions_near(
             (by 3 m at a right angle, by 6 m in the opposite direction).
         drivable: Only lanes that are open to cars; False: lanes of every kind.
     """
+    lanes, places, cost = _near_lanes(network, x, y, max_distance, heading, drivable)
+    # Whole arrays become Python's numbers at once, ten times faster than one by one.
+    found = sorted(zip(cost.tolist(), lanes.tolist(), places.tolist(), strict=True))
+    return tuple(
+        [
+            LanePosition(lane=lane, s=s, lateral=lateral, heading=direction)
+            for _, lane, (s, lateral, direction) in found
+        ]
+    )
+
+
+def _near_lanes(
+    network: RoadNetwork,
+    x: float,
+    y: float,
+    max_distance: float,
+    heading: float | None,
+    drivable: bool,
+) -> tuple[Int32Array, FloatArray, FloatArray]:
+    """Returns the lanes (n,) near a place, the place (n, 3) on each, and its cost (n,), metres."""
     index = segment_index(network, drivable)
     if worth_loading(_near, 1):
         lanes, places = _near(*_arrays(index), float(x), float(y), float(max_distance))
@@ -81,15 +103,7 @@ def lane_positions_near(
     cost = np.abs(places[:, 1])
     if heading is not None:
         cost = cost + HEADING_WEIGHT * (1.0 - np.cos(places[:, 2] - heading))
-    return tuple(
-        LanePosition(
-            lane=int(lanes[i]),
-            s=float(places[i, 0]),
-            lateral=float(places[i, 1]),
-            heading=float(places[i, 2]),
-        )
-        for i in np.lexsort((lanes, cost))
-    )
+    return lanes, places, cost
 
 
 def project_points(

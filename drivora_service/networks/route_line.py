@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -14,7 +15,7 @@ from drivora_service.geometry.arrays import FloatArray, IntArray
 from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.lane_graph import lane_graph
 from drivora_service.networks.lane_route import LaneRoute, LaneRun, RouteSignal
-from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.road_network import RoadNetwork, make_read_only
 from drivora_service.networks.route_search import EdgePass
 
 SPACING = 1.0
@@ -150,7 +151,7 @@ def build_route(
     """
     drafts = _drafts(network, passes)
     lines = [_exact_line(draft) for draft in drafts]
-    limits = np.array([lane.speed_limit for lane in network.lanes])
+    limits = _speed_limits(network)
 
     points: list[FloatArray] = []
     lanes: list[IntArray] = []
@@ -199,6 +200,14 @@ def build_route(
             network, drafts, np.concatenate(runs)[distinct], np.concatenate(places)[distinct], arc
         ),
     )
+
+
+@lru_cache(maxsize=128)
+def _speed_limits(network: RoadNetwork) -> FloatArray:
+    """Returns the speed limit of every lane, m/s."""
+    limits = np.array([lane.speed_limit for lane in network.lanes])
+    make_read_only(limits)
+    return limits
 
 
 def _drafts(network: RoadNetwork, passes: Sequence[EdgePass]) -> list[_Draft]:

@@ -132,7 +132,9 @@ def match_places(network: RoadNetwork, places: Sequence[Place]) -> RouteMatch | 
         exact = _matched(graph, places, kept, strict)
         if not any(leg.is_detour for leg in exact.legs):
             return exact
-    way = search(graph, [place.near for place in places])
+    way = strict
+    if any(place.near != place.named for place in places):
+        way = search(graph, [place.near for place in places])
     if isinstance(way, int):
         return way if isinstance(strict, int) else exact
     if len(places) >= MIN_TRACK:
@@ -166,7 +168,9 @@ def _matched(
         )
         for first, last, passes in zip(kept, kept[1:], way.legs, strict=False)
     )
-    left_out = tuple(sorted(set(range(len(places))) - set(kept)))
+    left_out: tuple[int, ...] = ()
+    if len(kept) < len(places):
+        left_out = tuple(sorted(set(range(len(places))) - set(kept)))
     return RouteMatch(passes=way.passes, legs=legs, left_out=left_out)
 
 

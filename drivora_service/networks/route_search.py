@@ -53,19 +53,36 @@ class EdgePass:
     continues: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Arrival:
-    """The cheapest way to a candidate of a place from the candidates of the preceding place.
+@dataclass(slots=True, kw_only=True)
+class _Leg:
+    """The cheapest ways to the candidates of a place from those of the preceding place.
 
-    The cost is infinite without a way.
+    Attributes:
+        sources: Candidates of the preceding place.
+        targets: Candidates of the place.
+        costs: Cost of the way to each target; infinite without one.
+        entries: End of the way to each target: (source, -1) straight on, or (-1, lane of its last
+            edge).
+        parents: How a lane is reached: (lane before or -1, source or -1, lane at the end of the
+            edge before).
     """
 
-    cost: float
-    source: int
-    passes: tuple[EdgePass, ...]
+    sources: Sequence[Candidate]
+    targets: Sequence[Candidate]
+    costs: list[float]
+    entries: list[tuple[int, int]]
+    parents: dict[int, tuple[int, int, int]]
 
+    def reach(self, target: int, cost: float, entry: tuple[int, int]) -> None:
+        """Takes a way to a target if it is the cheapest so far."""
+        if cost < self.costs[target]:
+            self.costs[target], self.entries[target] = cost, entry
 
-_UNREACHABLE = _Arrival(cost=math.inf, source=-1, passes=())
+    def total(self) -> float:
+        """Returns the cost of the cheapest target with its own cost."""
+        return min(
+            [cost + target.cost for cost, target in zip(self.costs, self.targets, strict=True)]
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,30 +124,30 @@ def search(
         The way, or the number of the first place that cannot be reached.
     """
     costs = [candidate.cost for candidate in places[0]]
-    legs: list[list[_Arrival]] = []
+    legs: list[_Leg] = []
     for number in range(1, len(places)):
         last = number == len(places) - 1
-        arrivals = _search_leg(
+        leg = _search_leg(
             graph,
             places[number - 1],
             costs,
             places[number],
             around=around and last,
+            last=last,
             allowed=None if allowed is None else allowed[number - 1],
         )
-        if all(math.isinf(arrival.cost) for arrival in arrivals):
+        if math.isinf(min(leg.costs)):
             return number
-        legs.append(arrivals)
+        legs.append(leg)
         costs = [
-            arrival.cost + candidate.cost
-            for arrival, candidate in zip(arrivals, places[number], strict=True)
+            cost + candidate.cost for cost, candidate in zip(leg.costs, places[number], strict=True)
         ]
     target = min(range(len(costs)), key=costs.__getitem__)
     cost = costs[target]
     way: list[tuple[EdgePass, ...]] = []
-    for arrivals in reversed(legs):
-        way.append(arrivals[target].passes)
-        target = arrivals[target].source
+    for leg in reversed(legs):
+        target, passes = _traced(graph, leg, target)
+        way.append(passes)
     return Way(legs=tuple(reversed(way)), cost=cost)
 
 
@@ -141,82 +158,96 @@ def _search_leg(
     targets: Sequence[Candidate],
     *,
     around: bool,
+    last: bool,
     allowed: Container[int] | None,
-) -> list[_Arrival]:
-    best = [math.inf] * len(targets)
-    # Entry of the best way to a target: (source, -1) straight on, or (-1, lane of its last edge).
-    entry = [(-1, -1)] * len(targets)
+) -> _Leg:
+    """Finds the ways of a leg; of the last one, only that to the target that is cheapest then."""
+    count = len(targets)
+    leg = _Leg(
+        sources=sources,
+        targets=targets,
+        costs=[math.inf] * count,
+        entries=[(-1, -1)] * count,
+        parents={},
+    )
     if not around:
         for i, source in enumerate(sources):
             for j, target in enumerate(targets):
-                cost = source_costs[i] + _straight_on(graph, source, target)
-                if cost < best[j]:
-                    best[j], entry[j] = cost, (i, -1)
+                leg.reach(j, source_costs[i] + _straight_on(graph, source, target), (i, -1))
 
-    # Targets by the lane at whose start their edge may be entered.
-    doors: dict[int, list[tuple[int, float]]] = {}
-    for j, target in enumerate(targets):
-        for sibling in graph.siblings[target.lane]:
-            extra = change_cost(sibling.changes, target.s)
-            if extra is not None:
-                doors.setdefault(sibling.lane, []).append((j, target.s + extra))
-
-    dearest = min(target.cost for target in targets) + NAMED_COST
-    ends = {
-        sibling.lane
-        for target in targets
-        if target.cost <= dearest
-        for sibling in graph.siblings[target.lane]
-    }
-    # parent: (lane before or -1, source or -1, lane at the end of the edge before)
-    parent: dict[int, tuple[int, int, int]] = {}
+    cheapest = min([target.cost for target in targets])
+    bound = max(leg.costs)
+    limit = leg.total() if last else math.inf
     cost_to: dict[int, float] = {}
     queue: list[tuple[float, int]] = []
     for i, source in enumerate(sources):
-        if math.isinf(source_costs[i]):
+        # No way to another edge is shorter than that to the end of the source's own.
+        least = source_costs[i] + (graph.lengths[source.lane] - source.s)
+        if least >= bound or least + cheapest > limit:
             continue
         first = leaving(graph.lengths, graph.siblings, graph.successors, source.lane, source.s)
-        for step in (*first, *_turns_asked_for(graph, source, ends)):
+        for step in (*first, *_turns_asked_for(graph, source, targets)):
             if allowed is not None and step.lane not in allowed:
                 continue
             cost = source_costs[i] + step.cost
             if cost < cost_to.get(step.lane, math.inf):
                 cost_to[step.lane] = cost
-                parent[step.lane] = (-1, i, step.exit_lane)
+                leg.parents[step.lane] = (-1, i, step.exit_lane)
                 heappush(queue, (cost, step.lane))
+
+    if not queue:
+        return leg
+    doors = _doors(graph, targets)
     settled: set[int] = set()
-    bound = max(best)
     while queue:
         cost, lane = heappop(queue)
-        if cost >= bound:
+        # A way on from here is no shorter, as rounding keeps the order of numbers.
+        if cost >= bound or cost + cheapest > limit:
             break
         if lane in settled:
             continue
         settled.add(lane)
         if lane in doors:
             for j, rest in doors[lane]:
-                if cost + rest < best[j]:
-                    best[j], entry[j] = cost + rest, (-1, lane)
-            bound = max(best)
+                leg.reach(j, cost + rest, (-1, lane))
+            bound = max(leg.costs)
+            limit = leg.total() if last else math.inf
         for step in graph.steps[lane]:
             if allowed is not None and step.lane not in allowed:
                 continue
             through = cost + step.cost
             if through < cost_to.get(step.lane, math.inf):
                 cost_to[step.lane] = through
-                parent[step.lane] = (lane, -1, step.exit_lane)
+                leg.parents[step.lane] = (lane, -1, step.exit_lane)
                 heappush(queue, (through, step.lane))
-    return [
-        _UNREACHABLE
-        if math.isinf(best[j])
-        else _arrival(graph, sources, target, best[j], entry[j], parent)
-        for j, target in enumerate(targets)
-    ]
+    return leg
 
 
-def _turns_asked_for(graph: LaneGraph, source: Candidate, ends: Container[int]) -> list[Step]:
-    """Returns the tight turns from the edge of a source that lead to lanes of ``ends``."""
+def _doors(graph: LaneGraph, targets: Sequence[Candidate]) -> dict[int, list[tuple[int, float]]]:
+    """Returns the targets, and the costs to them, by the lane at whose start their edge begins."""
+    doors: dict[int, list[tuple[int, float]]] = {}
+    for j, target in enumerate(targets):
+        for sibling in graph.siblings[target.lane]:
+            extra = change_cost(sibling.changes, target.s)
+            if extra is not None:
+                doors.setdefault(sibling.lane, []).append((j, target.s + extra))
+    return doors
+
+
+def _turns_asked_for(
+    graph: LaneGraph, source: Candidate, targets: Sequence[Candidate]
+) -> list[Step]:
+    """Returns the tight turns from the edge of a source that lead to a place's own lanes."""
     turns = leaving(graph.lengths, graph.siblings, graph.tight, source.lane, source.s)
+    if not turns:
+        return []
+    dearest = min([target.cost for target in targets]) + NAMED_COST
+    ends = {
+        sibling.lane
+        for target in targets
+        if target.cost <= dearest
+        for sibling in graph.siblings[target.lane]
+    }
     return [turn for turn in turns if _leads_into(graph, turn.lane, ends)]
 
 
@@ -242,33 +273,27 @@ def _straight_on(graph: LaneGraph, source: Candidate, target: Candidate) -> floa
     return math.inf
 
 
-def _arrival(
-    graph: LaneGraph,
-    sources: Sequence[Candidate],
-    target: Candidate,
-    cost: float,
-    entry: tuple[int, int],
-    parent: dict[int, tuple[int, int, int]],
-) -> _Arrival:
-    """Follows the parents back from a target to its source."""
-    source, lane = entry
+def _traced(graph: LaneGraph, leg: _Leg, target_number: int) -> tuple[int, tuple[EdgePass, ...]]:
+    """Follows the parents back from a target; returns its source, and the way from there."""
+    target = leg.targets[target_number]
+    source, lane = leg.entries[target_number]
     if lane < 0:
-        begin = sources[source]
+        begin = leg.sources[source]
         exit_s = max(target.s, begin.s) if target.lane == begin.lane else target.s
         only = EdgePass(
             lane=begin.lane, s=begin.s, exit_lane=target.lane, exit_s=exit_s, continues=True
         )
-        return _Arrival(cost=cost, source=source, passes=(only,))
+        return source, (only,)
     passes: list[EdgePass] = []
     exit_lane, exit_s = target.lane, target.s
     while lane >= 0:
         passes.append(
             EdgePass(lane=lane, s=0.0, exit_lane=exit_lane, exit_s=exit_s, continues=False)
         )
-        lane, source, exit_lane = parent[lane]
+        lane, source, exit_lane = leg.parents[lane]
         exit_s = graph.lengths[exit_lane]
-    begin = sources[source]
+    begin = leg.sources[source]
     passes.append(
         EdgePass(lane=begin.lane, s=begin.s, exit_lane=exit_lane, exit_s=exit_s, continues=True)
     )
-    return _Arrival(cost=cost, source=source, passes=tuple(reversed(passes)))
+    return source, tuple(reversed(passes))

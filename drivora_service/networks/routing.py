@@ -153,63 +153,79 @@ def _turn_hint(network: RoadNetwork) -> str:
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _NearLane:
+    """A lane position that a point may be matched to, with the costs that only the place decides.
+
+    Attributes:
+        lane: Index of the lane.
+        s: Arc length, metres.
+        heading: Direction of the lane, radians.
+        aside: Metres by which it is further away than the nearest lane.
+        off_cost: Cost of leaving the road of the point.
+        passing_cost: Cost of being passed in this lane.
+        may_start: Whether an ego that stands at the point may start on it.
+    """
+
+    lane: int
+    s: float
+    heading: float
+    aside: float
+    off_cost: float
+    passing_cost: float
+    may_start: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Surroundings:
+    """The lane positions of a point, the nearest first, and whether it is on a lane."""
+
+    near: tuple[_NearLane, ...]
+    on_road: bool
+
+
 def _place(network: RoadNetwork, points: Sequence[RoutePoint], number: int) -> Place:
     """Returns the possible lane positions of a point."""
     point = points[number]
     if not (math.isfinite(point.x) and math.isfinite(point.y)):
         raise NoRoute(f"{_named(points, number)} is not a place: coordinates must be finite")
-    near = _positions_near(network, point.x, point.y)
-    if not near:
+    surroundings = _surroundings(network, point.x, point.y)
+    if not surroundings.near:
         raise NoRoute(
             f"{_named(points, number)} is more than {MAX_DISTANCE:g} m from every drivable lane "
             f"of network {network.name!r}; move it onto a lane"
         )
-    nearest = abs(near[0].lateral)
-    on_lane = [p for p in near if _is_on(network, p)]
-    taken = {network.lanes[p.lane].edge_id for p in on_lane or near[:1]}
-    starts = {p.lane for p in on_lane or near[:1]} if number == 0 else None
-    wide: dict[str, float] = {}
-    for position in near:
-        if abs(position.lateral) <= nearest + WIDE_MARGIN:
-            edge = network.lanes[position.lane].edge_id
-            wide.setdefault(edge, abs(position.lateral))
+    around = _around_point(points, number)
     named, beside, passed = [], [], []
-    for position in near:
-        edge = network.lanes[position.lane].edge_id
-        if edge not in wide:
+    for one in surroundings.near:
+        if number == 0 and not one.may_start:
             continue
-        aside = abs(position.lateral) - nearest
         turned = 0.0
         if point.yaw is not None:
-            turned = HEADING_COST * (1.0 - math.cos(position.heading - point.yaw))
-        if starts is not None:
-            if edge in taken and position.lane not in starts:
-                continue
-            if aside > CANDIDATE_MARGIN:
-                continue
-        off = 0.0 if edge in taken else OFF_LANE_COST
-        cost = DISTANCE_COST * aside + turned + off
-        beside.append(Candidate(lane=position.lane, s=position.s, cost=cost))
-        if aside <= CANDIDATE_MARGIN:
-            named.append(beside[-1])
-        cost = DISTANCE_COST * (wide[edge] - nearest)
-        cost += SHIFT_COST * (abs(position.lateral) - wide[edge])
-        cost += min(turned + off, _around_point(points, number))
-        passed.append(Candidate(lane=position.lane, s=position.s, cost=cost))
+            turned = HEADING_COST * (1.0 - math.cos(one.heading - point.yaw))
+        cost = DISTANCE_COST * one.aside + turned + one.off_cost
+        candidate = Candidate(lane=one.lane, s=one.s, cost=cost)
+        beside.append(candidate)
+        if one.aside <= CANDIDATE_MARGIN:
+            named.append(candidate)
+        passing_cost = one.passing_cost + min(turned + one.off_cost, around)
+        if passing_cost != cost:
+            candidate = Candidate(lane=one.lane, s=one.s, cost=passing_cost)
+        passed.append(candidate)
     return Place(
         x=point.x,
         y=point.y,
         named=_cheap(named),
         beside=tuple(beside),
         near=_cheap(passed),
-        on_road=bool(on_lane),
+        on_road=surroundings.on_road,
     )
 
 
 def _cheap(candidates: Sequence[Candidate]) -> tuple[Candidate, ...]:
     """Omits lanes that cost more than the cheapest by more than ``MAX_EXTRA_COST``."""
-    limit = min(candidate.cost for candidate in candidates) + MAX_EXTRA_COST
-    return tuple(candidate for candidate in candidates if candidate.cost <= limit)
+    limit = min([candidate.cost for candidate in candidates]) + MAX_EXTRA_COST
+    return tuple([candidate for candidate in candidates if candidate.cost <= limit])
 
 
 def _around_point(points: Sequence[RoutePoint], number: int) -> float:
@@ -225,9 +241,39 @@ def _around_point(points: Sequence[RoutePoint], number: int) -> float:
 
 
 @lru_cache(maxsize=4096)
-def _positions_near(network: RoadNetwork, x: float, y: float) -> tuple[LanePosition, ...]:
-    """Returns the lane positions near a place; cached, since it belongs to two legs of a route."""
-    return lane_positions_near(network, x, y, max_distance=MAX_DISTANCE)
+def _surroundings(network: RoadNetwork, x: float, y: float) -> _Surroundings:
+    """Returns the lane positions around a place; cached, as it belongs to two legs of a route."""
+    positions = lane_positions_near(network, x, y, max_distance=MAX_DISTANCE)
+    on_lane = [position for position in positions if _is_on(network, position)]
+    own = on_lane or positions[:1]
+    starts = {position.lane for position in own}
+    taken = {network.lanes[position.lane].edge_id for position in own}
+    near: list[_NearLane] = []
+    wide: dict[str, float] = {}
+    for position in positions:
+        edge, distance = network.lanes[position.lane].edge_id, abs(position.lateral)
+        nearest = abs(positions[0].lateral)
+        # The nearest come first: of an edge that counts, the nearest lane is known by now.
+        if distance <= nearest + WIDE_MARGIN:
+            wide.setdefault(edge, distance)
+        elif edge not in wide:
+            continue
+        aside = distance - nearest
+        passing_cost = DISTANCE_COST * (wide[edge] - nearest)
+        passing_cost += SHIFT_COST * (distance - wide[edge])
+        near.append(
+            _NearLane(
+                lane=position.lane,
+                s=position.s,
+                heading=position.heading,
+                aside=aside,
+                off_cost=0.0 if edge in taken else OFF_LANE_COST,
+                passing_cost=passing_cost,
+                may_start=aside <= CANDIDATE_MARGIN
+                and (position.lane in starts or edge not in taken),
+            )
+        )
+    return _Surroundings(near=tuple(near), on_road=bool(on_lane))
 
 
 def _is_on(network: RoadNetwork, position: LanePosition) -> bool:

@@ -12,10 +12,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache, lru_cache
+from operator import attrgetter
 from types import MappingProxyType
 from typing import Any
 
@@ -71,18 +72,29 @@ def _reader() -> TypeAdapter[model.Scenario]:
 
 
 @lru_cache(maxsize=64)
-def _field_names(kind: type) -> tuple[str, ...]:
-    """Returns the names of the fields of a dataclass; none for other classes."""
-    return tuple(f.name for f in fields(kind)) if is_dataclass(kind) else ()
+def _fields(kind: type) -> tuple[tuple[str, ...], Callable[[Any], tuple[Any, ...]]]:
+    """Returns the names of the fields of a dataclass, none for other classes, and their reader."""
+    names = tuple(f.name for f in fields(kind)) if is_dataclass(kind) else ()
+    if len(names) > 1:
+        return names, attrgetter(*names)
+    return names, lambda value: tuple(getattr(value, name) for name in names)
+
+
+_AS_THEY_ARE = frozenset({float, type(None), int, str, bool})
+"""Classes whose values JSON has, too; members of an enumeration are of another class."""
 
 
 def _plain(value: Any) -> Any:
     kind: Any = type(value)
-    # Nearly all values are numbers of waypoints: return them at once.
-    if kind is float or value is None:
+    if kind in _AS_THEY_ARE:
         return value
-    if names := _field_names(kind):
-        content = {name: _plain(getattr(value, name)) for name in names}
+    names, read = _fields(kind)
+    if names:
+        parts = read(value)
+        content = dict(zip(names, parts, strict=True))
+        # Nearly all values are numbers of waypoints, which are not looked at one by one.
+        if not _AS_THEY_ARE.issuperset(map(type, parts)):
+            content = {name: _plain(part) for name, part in content.items()}
         for name, default in _LATER_FIELDS.get(kind, {}).items():
             if content[name] == default:
                 del content[name]

@@ -113,11 +113,12 @@ def _check_reactive(
 ) -> tuple[list[Problem], StartPose | None]:
     problems: list[Problem] = []
     first_heading: float | None = None
+    points = route_points(actor.places)
     for index, (here, there) in enumerate(itertools.pairwise(actor.places)):
         if _distance(here, there) <= JOIN_DISTANCE:
             continue
         # Only the first leg needs geometry; feasibility is cheaper to check.
-        if index > 0 and _drivable(network, route_points((here, there))):
+        if index > 0 and _drivable(network, points[index : index + 2]):
             continue
         route = _plan(actor, (here, there), network, first=index)
         if isinstance(route, Problem):

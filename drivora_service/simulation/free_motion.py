@@ -12,7 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.compilation import compiled
+from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.ground import patch_array
 from drivora_service.observations.planned_motion import PlannedMotion
@@ -43,8 +44,10 @@ def planned_motions(
     vehicles = [npc for npc in scenario.npc_vehicles if npc.behavior is not NpcBehavior.SUMO]
     patches = tuple(plan_patch(patch, network) for patch in scenario.friction_patches)
     count = round(until / scenario.step_length) + 1
-    # Row 0 is made before the first step, in the weather of the beginning.
-    frictions = [weather_at(row - 1).friction for row in range(count)]
+    frictions = [weather_at(-1).friction] * count
+    if scenario.weather_changes:
+        # Row 0 is made before the first step, in the weather of the beginning.
+        frictions = [weather_at(row - 1).friction for row in range(count)]
     actors: Sequence[Joining] = (*vehicles, *scenario.npc_walkers)
     plans = [_plan(one, network, scenario.step_length, frictions, patches) for one in actors]
     times = scenario.step_length * np.arange(count, dtype=np.float64)
@@ -115,9 +118,29 @@ def _advanced(
     followers.state[:, FollowerCol.REACTION] = Reaction.NONE
     sizes = np.array([(plan.model.length, plan.model.width) for plan in plans], dtype=np.float64)
     nobody = np.zeros(len(plans), dtype=np.bool_)
-    for row, friction in enumerate(frictions):
-        advance_followers(
-            (row - 1) * step, step, friction, patches, followers.places, followers.path,
-            followers.state, states[row - 1], sizes, nobody, states[row], present[row],
-        )  # fmt: skip
+    _advance_rows(
+        step, np.array(frictions, dtype=np.float64), patches, followers.places, followers.path,
+        followers.state, sizes, nobody, states, present,
+    )  # fmt: skip
     return states, present
+
+
+@compiled
+def _advance_rows(
+    step: float,
+    frictions: FloatArray,
+    patches: FloatArray,
+    places: IntArray,
+    path: FloatArray,
+    followers: FloatArray,
+    sizes: FloatArray,
+    nobody: BoolArray,
+    states: FloatArray,
+    present: BoolArray,
+) -> None:
+    """Moves followers from row to row of ``states`` (n, F, 9), to which nobody else is present."""
+    for row in range(frictions.shape[0]):
+        advance_followers(
+            (row - 1) * step, step, frictions[row], patches, places, path,
+            followers, states[row - 1], sizes, nobody, states[row], present[row],
+        )  # fmt: skip

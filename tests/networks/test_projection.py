@@ -62,6 +62,11 @@ def test_agrees_with_the_plain_way_on_real_towns(town: RoadNetwork) -> None:
             )
         distances = [abs(p.lateral) for p in near]
         assert distances == sorted(distances)
+        for heading in (None, rng.uniform(-math.pi, math.pi)):
+            ranked = lane_positions_near(town, x, y, max_distance=25.0, heading=heading)
+            nearest = nearest_lane_position(town, x, y, max_distance=25.0, heading=heading)
+            assert nearest == ranked[0]
+            assert {p.lane for p in ranked} == {p.lane for p in near}
 
 
 def test_lateral_is_positive_to_the_left(loop: RoadNetwork) -> None:

@@ -71,8 +71,9 @@ class ScenarioCandidates:
         """
         begun = time.perf_counter()
         repaired = self.space.repair(values)
-        scenario = self.space.scenario(repaired)
-        if reference is not None:
+        if reference is None:
+            scenario = self.space.scenario(repaired)
+        else:
             repaired, scenario = keep_clear(
                 self.space, repaired, partial(with_reference, reference=reference), self._motions
             )

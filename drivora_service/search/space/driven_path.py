@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -56,8 +56,12 @@ class Pose:
         )
 
 
+@lru_cache(maxsize=4096)
 def document_angle(angle: float) -> float:
-    """Rounds an angle in radians to one that a document in degrees represents exactly."""
+    """Rounds an angle in radians to one that a document in degrees represents exactly.
+
+    Cached, as all places of a straight stretch have the same angle.
+    """
     frame = FrameTransform()
     return frame.yaw_to_network(round(frame.yaw_from_network(angle), _DEGREE_DIGITS))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -26,7 +27,7 @@ def with_reference(scenario: Scenario, reference: Reference) -> Scenario:
     if not reference.paths:
         return scenario
     egos = tuple(
-        replace(ego, reference_path=tuple(_pose(row) for row in path))
+        replace(ego, reference_path=_poses(path))
         for ego, path in zip(scenario.ego_vehicles, reference.paths, strict=True)
     )
     return replace(scenario, ego_vehicles=egos)
@@ -73,6 +74,10 @@ def keep_clear(
         found = space.repair(found)
 
 
-def _pose(row: tuple[float, ...]) -> ReferencePose:
-    time, x, y, yaw, speed, z = row
-    return ReferencePose(time=time, x=x, y=y, yaw=yaw, speed=speed, z=z or None)
+@lru_cache(maxsize=16)
+def _poses(path: tuple[tuple[float, ...], ...]) -> tuple[ReferencePose, ...]:
+    """Returns the poses of a path; cached, as the candidates of a campaign share theirs."""
+    return tuple(
+        ReferencePose(time=time, x=x, y=y, yaw=yaw, speed=speed, z=z or None)
+        for time, x, y, yaw, speed, z in path
+    )

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
+from drivora_service.compilation import compiled
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
 from drivora_service.scenario.model import NpcObstacle
 from drivora_service.search.genes import Block, Gene
 from drivora_service.search.space.alike import ABSENT, Decoded
 from drivora_service.search.space.driven_path import Pose
+from drivora_service.search.space.ego_routes import EgoRoute
 from drivora_service.search.space.egos import PlacedEgo
 from drivora_service.search.space.layout import choice, number, presence
 from drivora_service.search.space.options import SpaceOptions
@@ -72,7 +75,8 @@ class ObstacleDecoder:
 
     def shift_room(self, egos: Sequence[PlacedEgo], values: FloatArray) -> float:
         """Returns the metres that the place gene moves it by, from 0 to 1."""
-        places = self._places(self._ego(egos, values))
+        ego = self._ego(egos, values)
+        places = _places(ego.route, ego.s)
         return float(places[-1] - places[0])
 
     def other_sides(self, values: FloatArray) -> tuple[tuple[int, float], ...]:
@@ -108,15 +112,10 @@ class ObstacleDecoder:
     def _ego(self, egos: Sequence[PlacedEgo], values: FloatArray) -> PlacedEgo:
         return egos[int(values[self._path]) % len(egos)]
 
-    def _places(self, ego: PlacedEgo) -> FloatArray:
-        places = ego.route.roadside.straights
-        last = ego.route.path.length - _BEFORE_DESTINATION
-        before = places[: max(int(np.searchsorted(places, last)), 1)]
-        return places_from(before, ego.s + AHEAD_OF_EGO)
-
     def _pose(self, egos: Sequence[PlacedEgo], values: FloatArray, model: ActorModel) -> Pose:
         ego = self._ego(egos, values)
-        lane = ego.route.path.at(place_at(self._places(ego), float(values[self.shift_gene])))
+        places = _places(ego.route, ego.s)
+        lane = ego.route.path.at(place_at(places, float(values[self.shift_gene])))
         turn, lateral = float(values[self._yaw]), float(values[self._lateral])
         across = 0.5 * (model.length * abs(math.sin(turn)) + model.width * math.cos(turn))
         least = across + 0.5 * ego.width + CLEARANCE
@@ -126,16 +125,47 @@ class ObstacleDecoder:
         return Pose(x=place.x, y=place.y, yaw=place.yaw + turn)
 
 
+@lru_cache(maxsize=64)
+def _places(route: EgoRoute, begin: float) -> FloatArray:
+    """Returns the arc lengths at which obstacles may stand if an ego starts at ``begin``.
+
+    Cached, as an obstacle's appearance is computed repeatedly while it is moved.
+    """
+    places = route.roadside.straights
+    last = route.path.length - _BEFORE_DESTINATION
+    before = places[: max(int(np.searchsorted(places, last)), 1)]
+    return places_from(before, begin + AHEAD_OF_EGO)
+
+
 def blocks_lane(start: Start, egos: Sequence[PlacedEgo]) -> bool:
     """Returns whether an obstacle leaves an ego too little clearance in the middle of its lane."""
     pose = start.pose
     cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
-    for ego in egos:
-        line = ego.route.path.line
-        dx, dy = line[:, 0] - pose.x, line[:, 1] - pose.y
-        along = np.abs(dx * cos + dy * sin) - 0.5 * start.length
-        across = np.abs(dy * cos - dx * sin) - 0.5 * start.width
-        gap = np.hypot(np.maximum(along, 0.0), np.maximum(across, 0.0)).min()
-        if gap < 0.5 * ego.width + _TOLERATED * CLEARANCE:
+    return any(
+        _is_near(
+            ego.route.path.line, pose.x, pose.y, cos, sin, 0.5 * start.length, 0.5 * start.width,
+            0.5 * ego.width + _TOLERATED * CLEARANCE,
+        )
+        for ego in egos
+    )  # fmt: skip
+
+
+@compiled
+def _is_near(
+    line: FloatArray,
+    x: float,
+    y: float,
+    cos: float,
+    sin: float,
+    half_length: float,
+    half_width: float,
+    distance: float,
+) -> bool:
+    """Returns whether a point of a line (n, 2) is nearer to a box than a distance."""
+    for i in range(line.shape[0]):
+        dx, dy = line[i, 0] - x, line[i, 1] - y
+        along = max(abs(dx * cos + dy * sin) - half_length, 0.0)
+        across = max(abs(dy * cos - dx * sin) - half_width, 0.0)
+        if math.hypot(along, across) < distance:
             return True
     return False

@@ -17,6 +17,8 @@ OFF_ROAD = 2.0
 WIDEST = 25.0
 """Metres from the route's line to the edge of the carriageway, at most."""
 _STEP = 0.5
+_AT_ONCE = 16
+"""Places that are sampled on a line before it is known whether more are needed."""
 _REACH = 10.0
 _STRAIGHT = 0.2
 """Radians by which a road may turn 10 metres before and after a place that counts as straight."""
@@ -88,9 +90,19 @@ def edge_distances(
     """
     steps = np.arange(step, WIDEST + 0.5 * step, step)
     ahead = np.stack((np.cos(directions), np.sin(directions)), axis=-1)
-    points = xy[:, None, :] + steps[None, :, None] * ahead[:, None, :]
-    beside = ~near_area(network, points.reshape(-1, 2), OFF_ROAD).reshape(len(xy), len(steps))
-    found: FloatArray = np.where(beside.any(axis=1), steps[np.argmax(beside, axis=1)], np.inf)
+    found = np.full(len(xy), np.inf)
+    searching = np.arange(len(xy))
+    # Most carriageways end soon: places beyond the end need not be compared with the area.
+    for begin in range(0, len(steps), _AT_ONCE):
+        part = steps[begin : begin + _AT_ONCE]
+        points = xy[searching, None, :] + part[None, :, None] * ahead[searching, None, :]
+        near = near_area(network, points.reshape(-1, 2), OFF_ROAD)
+        beside = ~near.reshape(len(searching), len(part))
+        ends = beside.any(axis=1)
+        found[searching[ends]] = part[np.argmax(beside[ends], axis=1)]
+        searching = searching[~ends]
+        if not len(searching):
+            break
     return found
 
 

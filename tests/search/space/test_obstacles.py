@@ -5,14 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from drivora_service.geometry.outlines import box_corners
 from drivora_service.scenario.actor_models import ActorKind, actor_model
 from drivora_service.scenario.model import NpcObstacle
-from drivora_service.search.space.obstacles import CLEARANCE, MAX_LATERAL
+from drivora_service.search.space.driven_path import Pose
+from drivora_service.search.space.egos import PlacedEgo
+from drivora_service.search.space.obstacles import CLEARANCE, MAX_LATERAL, blocks_lane
 from drivora_service.search.space.options import SpaceOptions
+from drivora_service.search.space.starts import Start
 from tests.search.space.seeds import SHIPPED, block_named, drawn, space_around
 
 OPTIONS = SpaceOptions(vehicles=0, walkers=0, obstacles=2, weather=False)
@@ -47,6 +50,28 @@ def test_every_ego_has_room_in_the_middle_of_its_lane(number: int, town: str, eg
         ]
         assert min(gaps) > 0.5 * width + 0.85 * CLEARANCE
         assert min(gaps) < MAX_LATERAL + 2.0
+
+
+@given(
+    s=st.floats(0.0, 150.0),
+    lateral=st.floats(-6.0, 6.0),
+    yaw=st.floats(-4.0, 4.0),
+    size=st.tuples(st.floats(0.3, 8.0), st.floats(0.3, 3.0)),
+)
+def test_a_box_blocks_the_lane_if_it_is_too_near_to_a_point_of_the_way(
+    s: float, lateral: float, yaw: float, size: tuple[float, float]
+) -> None:
+    space = space_around("roundabout", OPTIONS)
+    vehicle, route = space.seed.ego_vehicles[0], space.routes[0]
+    begin = Start(pose=route.path.at(0.0), length=4.5, width=2.0)
+    ego = PlacedEgo(ego=vehicle, route=route, s=0.0, width=2.0, start=begin)
+    place = ego.route.path.at(s).beside(lateral)
+    start = Start(pose=Pose(x=place.x, y=place.y, yaw=yaw), length=size[0], width=size[1])
+    x, y, turn = (np.array([value]) for value in (place.x, place.y, yaw))
+    box = shapely.Polygon(box_corners(x, y, turn, *size)[0])
+    gap = shapely.distance(box, shapely.MultiPoint(ego.route.path.line)) - 0.5 * ego.width
+    assume(abs(gap - 0.9 * CLEARANCE) > 1e-6)
+    assert blocks_lane(start, (ego,)) == (gap < 0.9 * CLEARANCE)
 
 
 @pytest.mark.parametrize("lateral", [-4.0, -0.1, 0.1, 4.0])
