@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.search_scenes import catalogues
+from drivora_service.errors import DrivoraError
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.observations.reference_path import recorded_path
 from drivora_service.observations.run_view import RunView
@@ -33,23 +34,27 @@ from drivora_service.worker.performing import perform
 from drivora_service.worker.setup import WorkerSetup
 
 
+class NoReferenceError(DrivoraError):
+    """The ADS takes no path in a scene with which others could be compared."""
+
+
 def driven(scenario: Scenario) -> RunView:
     """Returns a view of the run of a scenario.
 
     Raises:
-        SystemExit: It was not simulated, or an ego did not arrive.
+        NoReferenceError: It was not simulated, or an ego did not arrive.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "trace.parquet"
         spec = RunSpec(run_id="reference", document=canonical_json(scenario), trace_path=str(path))
         report = perform(spec, WorkerSetup(shipped_networks=shipped_networks()))
         if report.status is not RunStatus.FINISHED:
-            raise SystemExit(f"the scene was not simulated: {report.failure}")
+            raise NoReferenceError(f"the scene was not simulated: {report.failure}")
         trace = read_trace(path)
     view = RunView(trace, catalogues().networks.get(trace.network))
     for ego in view.egos:
         if ego.end is not TerminalEvent.ARRIVED:
-            raise SystemExit(
+            raise NoReferenceError(
                 f"ego {ego.id!r} does not arrive ({ego.end.value.replace('_', ' ')}), so that "
                 "there is no path to be compared with; choose another scene or ADS"
             )
@@ -57,7 +62,11 @@ def driven(scenario: Scenario) -> RunView:
 
 
 def with_driven_paths(content: dict[str, Any], agent: str) -> str:
-    """Returns the text of a scene's document with an ADS and the paths that it takes."""
+    """Returns the text of a scene's document with an ADS and the paths that it takes.
+
+    Raises:
+        NoReferenceError: As `driven`.
+    """
     for ego in content["ego_vehicles"]:
         ego["agent"] = {"name": agent}
     agents = frozenset(catalogues().agents.names())
@@ -73,7 +82,11 @@ def main() -> None:
     parser.add_argument("--agent", required=True)
     parser.add_argument("--out", type=Path, required=True)
     options = parser.parse_args()
-    options.out.write_text(with_driven_paths(json.loads(options.scene.read_text()), options.agent))
+    try:
+        text = with_driven_paths(json.loads(options.scene.read_text()), options.agent)
+    except NoReferenceError as error:
+        raise SystemExit(str(error)) from None
+    options.out.write_text(text)
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ class Scene:
         space: What varies, as in a campaign file.
         agent: Name of the ADS.
         parameters: Those of its parameters that differ from their defaults.
+        oracles: What counts; empty: what counts in a campaign that names none.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Scene:
     space: dict[str, Any]
     agent: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    oracles: tuple[str, ...] = ()
 
     @property
     def driver(self) -> str:
@@ -68,7 +70,7 @@ def prepared(scene: Scene) -> Search:
     Raises:
         InvalidDocument: The scene has no such space.
     """
-    document = {
+    document: dict[str, Any] = {
         "name": scene.name,
         "tester": {"name": "random"},
         "agent": {"name": scene.agent, "parameters": dict(scene.parameters)},
@@ -76,5 +78,7 @@ def prepared(scene: Scene) -> Search:
         "space": scene.space,
         "budget": {"simulations": 1},
     }
+    if scene.oracles:
+        document["oracles"] = list(scene.oracles)
     valid = read_campaign(json.dumps(document), catalogues())
     return prepare_search(valid, catalogues(), run_prefix="scene")

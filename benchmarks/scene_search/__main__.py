@@ -6,11 +6,13 @@ avoidable failures at the ego's fault. Scenes are sifted: all with few draws, th
 the range with more, and those that are with 2,000, for which the exact interval is given.
 
     python -m benchmarks.scene_search --out FOLDER
+    python -m benchmarks.scene_search --out FOLDER --detours
     python -m benchmarks.scene_search --out FOLDER --show
     python -m benchmarks.scene_search --out FOLDER --write SCENES
 
-The last one writes the seed scenarios of the scenes that are in the range, for a study file, and
-prints their spaces.
+With `--detours`, also of the last two, scenes for Decictor are searched: what counts is the oracle
+`non_optimal_decision`. The last command writes the seed scenarios of the scenes in the range, for a
+study file, and prints their spaces.
 
 What was counted is kept in the folder, and not counted again.
 """
@@ -26,7 +28,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from benchmarks.scene_search.counting import Counts, count
-from benchmarks.scene_search.scenes import scenes
+from benchmarks.scene_search.scenes import detour_scenes, failing_scenes
 from benchmarks.search_scenes import Scene
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.errors import DrivoraError
@@ -75,11 +77,11 @@ class Ledger:
             file.write(json.dumps(line) + "\n")
 
 
-def show(ledger: Ledger) -> None:
+def show(scenes: Sequence[Scene], ledger: Ledger) -> None:
     """Prints the scenes of the last stage as a table in Markdown."""
     print("| scene | ADS | at fault | avoidable | 95 % interval | ms a run |")
     print("|---|---|---|---|---|---|")
-    for scene in scenes():
+    for scene in scenes:
         found = ledger.get(scene, STAGES[-1])
         if found is None:
             continue
@@ -92,14 +94,17 @@ def show(ledger: Ledger) -> None:
         )
 
 
-def write(ledger: Ledger, folder: Path) -> None:
+def write(scenes: Sequence[Scene], ledger: Ledger, folder: Path) -> None:
     """Writes the seed scenarios of the scenes in the range; prints them as entries of a study."""
     folder.mkdir(parents=True, exist_ok=True)
-    for scene in scenes():
+    for scene in scenes:
         found = ledger.get(scene, STAGES[-1])
         if found is None or not is_wanted(found):
             continue
-        file = folder / (scene.name.partition(",")[0].replace(" ", "-") + ".json")
+        place = scene.name.partition(",")[0]
+        # A path is that of an ADS.
+        told = f"{place} {scene.agent}" if scene.oracles else place
+        file = folder / (told.replace(" ", "-") + ".json")
         file.write_text(json.dumps(scene.scenario, indent=2) + "\n")
         print(f"  - file: {folder.name}/{file.name}  # {scene.driver}")
         print(f"    label: {json.dumps(scene.name)}")
@@ -110,14 +115,16 @@ def main(arguments: Sequence[str]) -> None:
     """Counts what is not known yet, stage by stage, and prints the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, required=True, help="folder of what was counted")
+    parser.add_argument("--detours", action="store_true", help="needless detours, not failures")
     parser.add_argument("--show", action="store_true", help="only print the table")
     parser.add_argument("--write", type=Path, help="only write the scenes in the range")
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args(arguments)
     options.out.mkdir(parents=True, exist_ok=True)
     ledger = Ledger(options.out)
+    scenes = list(detour_scenes() if options.detours else failing_scenes())
     if options.write is not None:
-        write(ledger, options.write)
+        write(scenes, ledger, options.write)
         return
     if not options.show:
         with (
@@ -128,14 +135,14 @@ def main(arguments: Sequence[str]) -> None:
                 folder=Path(folder),
             ) as executor,
         ):
-            _sift(LocalEvaluator(executor), ledger)
-    show(ledger)
+            _sift(scenes, LocalEvaluator(executor), ledger)
+    show(scenes, ledger)
 
 
-def _sift(evaluator: LocalEvaluator, ledger: Ledger) -> None:
+def _sift(scenes: Sequence[Scene], evaluator: LocalEvaluator, ledger: Ledger) -> None:
     """Takes each scene through all stages but the last; then those that are left through it."""
     kept = []
-    for scene in scenes():
+    for scene in scenes:
         if all(_may_go_on(evaluator, ledger, scene, stage) for stage in range(len(STAGES) - 1)):
             kept.append(scene)
             print(f"may be wanted: {scene.name}, {scene.driver}", file=sys.stderr, flush=True)

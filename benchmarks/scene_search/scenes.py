@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from benchmarks.reference_scene import NoReferenceError, with_driven_paths
 from benchmarks.search_scenes import Scene, catalogues
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.scenario.documents import document_text
@@ -51,8 +52,55 @@ SPACES: Mapping[str, Mapping[str, Any]] = {
 }
 
 
-def scenes() -> Iterator[Scene]:
-    """Yields all scenes, in an order in which every part is a sample of the whole."""
+DETOURING_AGENTS = ("sumo-krauss", "idm-mobil")
+"""They change lanes: an ADS that keeps to its lane makes no detours."""
+_IN_THE_WAY: Mapping[str, Any] = {
+    # A reactive vehicle could be late by any time, and so may not be on the ego's way at all.
+    "behavior": "replay",
+    "optional": True,
+    "walkers": 0,
+    "weather": False,
+}
+SPACES_OF_DETOURS: Mapping[str, Mapping[str, Any]] = {
+    "vehicles": {**_IN_THE_WAY, "vehicles": 6},
+    "vehicles and obstacles": {**_IN_THE_WAY, "vehicles": 4, "obstacles": 3},
+    "slow vehicles": {**_IN_THE_WAY, "vehicles": 6, "max_speed_factor": 0.7},
+}
+
+
+def failing_scenes() -> Iterator[Scene]:
+    """Yields scenes for failures, in an order in which every part is a sample of the whole."""
+    for name, scenario in _seed_scenarios():
+        for space_name, space in SPACES.items():
+            for agent, parameters in AGENTS:
+                yield Scene(
+                    name=f"{name}, {space_name}",
+                    scenario=scenario,
+                    space=dict(space),
+                    agent=agent,
+                    parameters=parameters,
+                )
+
+
+def detour_scenes() -> Iterator[Scene]:
+    """Yields scenes for needless detours, with the path that the ADS takes without other actors."""
+    for name, scenario in _seed_scenarios():
+        for agent in DETOURING_AGENTS:
+            try:
+                told = with_driven_paths(scenario, agent)
+            except NoReferenceError:
+                continue
+            for space_name, space in SPACES_OF_DETOURS.items():
+                yield Scene(
+                    name=f"{name}, {space_name}",
+                    scenario=json.loads(told),
+                    space=dict(space),
+                    agent=agent,
+                    oracles=("non_optimal_decision",),
+                )
+
+
+def _seed_scenarios() -> Iterator[tuple[str, dict[str, Any]]]:
     towns = sorted(path.name for path in shipped_networks().iterdir() if path.is_dir())
     seeds = {
         town: list(
@@ -74,12 +122,4 @@ def scenes() -> Iterator[Scene]:
             for ego in scenario["ego_vehicles"]:
                 ego.pop("agent", None)
                 ego["initial_speed"] = 8.0
-            for name, space in SPACES.items():
-                for agent, parameters in AGENTS:
-                    yield Scene(
-                        name=f"{town} {number}, {name}",
-                        scenario=scenario,
-                        space=dict(space),
-                        agent=agent,
-                        parameters=parameters,
-                    )
+            yield f"{town} {number}", scenario
