@@ -49,6 +49,13 @@ SPACES: Mapping[str, Mapping[str, Any]] = {
         "max_wait": 10.0,
         "at_end": "stay",
     },
+    "traffic and patches": {
+        **_TRAFFIC,
+        "vehicles": 4,
+        "walkers": 0,
+        "patches": 6,
+        "weather": False,
+    },
 }
 
 
