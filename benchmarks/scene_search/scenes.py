@@ -56,6 +56,20 @@ SPACES: Mapping[str, Mapping[str, Any]] = {
         "patches": 6,
         "weather": False,
     },
+    "less traffic and patches": {
+        **_TRAFFIC,
+        "vehicles": 3,
+        "walkers": 0,
+        "patches": 4,
+        "weather": False,
+    },
+    "little traffic and patches": {
+        **_TRAFFIC,
+        "vehicles": 2,
+        "walkers": 0,
+        "patches": 3,
+        "weather": False,
+    },
 }
 
 

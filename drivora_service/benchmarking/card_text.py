@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from drivora_service.agents.entry import AgentEntry
 from drivora_service.benchmarking.card import AgentCard, BenchmarkRun, Figures
 from drivora_service.benchmarking.courses import COURSES, VERSION
+from drivora_service.markdown_text import Markdown, table
 
 COLUMNS = (
     "runs",
@@ -95,14 +96,22 @@ def cards_markdown(cards: Sequence[AgentCard], absent: Sequence[AgentEntry], *, 
     lines += [f"- {line}" for line in setting(runs)]
     lines += ["", HOW_TO_READ, ""]
     rows = (
-        (f"[`{card.agent.name}`]({card.agent.name}.md)", view_of(card.agent), *cells(card.total))
+        (
+            Markdown(f"[`{card.agent.name}`]({card.agent.name}.md)"),
+            view_of(card.agent),
+            *cells(card.total),
+        )
         for card in cards
     )
-    lines += _table(("agent", "view", *COLUMNS), rows)
+    lines += table(("agent", "view", *COLUMNS), rows)
     if absent:
         lines += ["", "Not run:", ""]
         lines += [f"- `{agent.name}`: {agent.reason}" for agent in absent]
     return "\n".join(lines) + "\n"
+
+
+def _link(agent: AgentEntry) -> Markdown:
+    return Markdown(f"[`{agent.name}`]({agent.name}.md)")
 
 
 def card_markdown(card: AgentCard, *, runs: int, picture: str = "") -> str:
@@ -129,7 +138,7 @@ def card_markdown(card: AgentCard, *, runs: int, picture: str = "") -> str:
     lines += [f"- {line}" for line in setting(runs)]
     lines += ["", HOW_TO_READ, ""]
     rows = [(own.network, *cells(own.figures)) for own in card.networks]
-    lines += _table(("network", *COLUMNS), (*rows, ("all", *cells(card.total))))
+    lines += table(("network", *COLUMNS), (*rows, ("all", *cells(card.total))))
     lines += ["", "## Violations", ""]
     lines += _wrongs(card)
     if picture and card.shown is not None:
@@ -156,7 +165,7 @@ def _scores(figures: Figures) -> list[str]:
 def _wrongs(card: AgentCard) -> list[str]:
     lines = []
     if card.violated:
-        lines += _table(
+        lines += table(
             ("oracle", "runs", "at fault", "for example"),
             (
                 (
@@ -172,7 +181,7 @@ def _wrongs(card: AgentCard) -> list[str]:
         lines.append("It violated no oracle in any judged run.")
     if card.failures:
         lines += [""] if lines else []
-        lines += _table(
+        lines += table(
             ("runs without a judgement", "cause", "runs", "for example"),
             (
                 (
@@ -195,19 +204,6 @@ def _about(run: BenchmarkRun) -> str:
     for verdict in run.violations:
         said.setdefault(verdict.oracle, verdict.message)
     return f"The run with the most violations, {run.name}: {' '.join(said.values())}"
-
-
-def _table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    return [
-        f"| {' | '.join(columns)} |",
-        f"|{'---|' * len(columns)}",
-        *(f"| {' | '.join(_cell(cell) for cell in row)} |" for row in rows),
-    ]
-
-
-def _cell(text: str) -> str:
-    """Returns a text that stays within its cell."""
-    return " ".join(text.replace("|", "\\|").split())
 
 
 def _number(value: float | None, digits: int) -> str:

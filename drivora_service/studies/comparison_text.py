@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from drivora_service.markdown_text import table
 from drivora_service.studies.accountable_counts import COLUMNS, WORDS, accountable_rows
 from drivora_service.studies.comparing import Comparison
 from drivora_service.studies.comparison import SIGNIFICANT, Difference, Measure, measure
@@ -22,8 +23,7 @@ def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> 
     lines += [f"- {line}" for line in setting(comparison)]
     lines += [f"- Note: {note}" for note in comparison.notes]
     lines += ["", "## What the simulations came to", "", WORDS, ""]
-    lines += [f"| {' | '.join(COLUMNS)} |", "|---" * len(COLUMNS) + "|"]
-    lines += [f"| {' | '.join(row)} |" for row in accountable_rows(comparison.campaigns)]
+    lines += table(COLUMNS, accountable_rows(comparison.campaigns))
     for by in measures_of(comparison):
         better = "more" if by.larger_is_better else "less"
         lines += [
@@ -32,17 +32,26 @@ def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> 
             "",
             f"`{by.name}`; {better} is better.",
             "",
-            f"| scenario | method | n | median | {comparison.baseline} | A12 [95 %] | p | p, Holm "
-            "| judgement |",
-            "|---|---|---|---|---|---|---|---|---|",
         ]
-        lines += [
-            f"| {row.scenario} | {row.method} | {row.repetitions} | {value(row.median)} "
-            f"| {value(row.baseline_median)} | {a12(row)} | {probability(row.p)} "
-            f"| {probability(row.p_holm)} | {row.judgement} |"
-            for row in comparison.differences
-            if row.measure == by.name
-        ]
+        titles = ("scenario", "method", "n", "median", comparison.baseline)
+        lines += table(
+            (*titles, "A12 [95 %]", "p", "p, Holm", "judgement"),
+            [
+                (
+                    row.scenario,
+                    row.method,
+                    str(row.repetitions),
+                    value(row.median),
+                    value(row.baseline_median),
+                    a12(row),
+                    probability(row.p),
+                    probability(row.p_holm),
+                    str(row.judgement),
+                )
+                for row in comparison.differences
+                if row.measure == by.name
+            ],
+        )
     if charts:
         lines += ["", "## Charts", ""]
         lines += [f"![{chart.stem.replace('-', ' ')}]({chart.name})\n" for chart in charts]

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from drivora_service.campaigns.campaign import FeedbackMode
 from drivora_service.campaigns.documents import CampaignDocument
+from drivora_service.markdown_text import table
 from drivora_service.oracles.accountability import IN_WORDS, accountability
 from drivora_service.store.campaign_records import Confirmation
 from drivora_service.studies.campaign_report import CampaignReport, FailureGroup
@@ -28,8 +29,8 @@ def report_markdown(
     record = report.record
     lines = [f"# Campaign {record.name}", ""]
     lines += [f"`{record.id}`, {record.state}" + (f": {record.message}" if record.message else "")]
-    lines += ["", "## Search", "", *_table(("", ""), _searched(report))]
-    lines += ["", "## Results", "", *_table(("", ""), _outcome(report))]
+    lines += ["", "## Search", "", *table(("", ""), _searched(report))]
+    lines += ["", "## Results", "", *table(("", ""), _outcome(report))]
     if report.note:
         lines += ["", f"Coverage and times are not known: {report.note}"]
     if report.seeds:
@@ -102,7 +103,7 @@ def _by_seed(report: CampaignReport) -> list[str]:
         )
         for seed in report.seeds
     ]
-    return _table(titles, rows)
+    return table(titles, rows)
 
 
 def _outcome(report: CampaignReport) -> list[tuple[str, str]]:
@@ -177,7 +178,7 @@ def _share(share: float | None) -> str:
 def _failures(report: CampaignReport) -> list[str]:
     if not report.groups:
         return ["No failures were found."]
-    return _table(
+    return table(
         (
             "kind",
             "group",
@@ -255,12 +256,3 @@ def _numbers(group: FailureGroup) -> str:
 
 def _plain(value: object) -> str:
     return value if isinstance(value, str) else json.dumps(value)
-
-
-def _table(columns: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:
-    cells = [tuple(cell.replace("|", "\\|").replace("\n", " ") for cell in row) for row in rows]
-    return [
-        f"| {' | '.join(columns)} |",
-        "|" + "---|" * len(columns),
-        *(f"| {' | '.join(row)} |" for row in cells),
-    ]

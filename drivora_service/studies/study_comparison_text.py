@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from drivora_service.markdown_text import table
 from drivora_service.studies.accountable_counts import COLUMNS, WORDS, accountable_rows
 from drivora_service.studies.comparison import SIGNIFICANT, Difference
 from drivora_service.studies.comparison_text import a12, probability, value
@@ -71,9 +72,9 @@ def study_markdown(comparison: StudyComparison, charts: Sequence[str] = ()) -> s
         rows = [row for row in comparison.overview if row.by is by]
         if rows:
             lines += ["", f"## By {by}, against {baseline_of(comparison, by)}", ""]
-            lines += _table(OVERVIEW_COLUMNS, [overview_cells(row) for row in rows])
+            lines += table(OVERVIEW_COLUMNS, [overview_cells(row) for row in rows])
     lines += ["", "## What the simulations came to", "", WORDS, ""]
-    lines += _table(
+    lines += table(
         COLUMNS, accountable_rows(comparison.campaigns, lambda f: f"{f.scenario}, {f.agent}")
     )
     lines += [f"\n![{name}]({name})" for name in charts]
@@ -81,10 +82,5 @@ def study_markdown(comparison: StudyComparison, charts: Sequence[str] = ()) -> s
         for title in dict.fromkeys(row.title for row in differences):
             lines += ["", f"## By {by}: {title}", ""]
             own = [detail_cells(row) for row in differences if row.title == title]
-            lines += _table(DETAIL_COLUMNS, own)
+            lines += table(DETAIL_COLUMNS, own)
     return "\n".join(lines) + "\n"
-
-
-def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    head = [f"| {' | '.join(columns)} |", "|---" * len(columns) + "|"]
-    return [*head, *(f"| {' | '.join(cells)} |" for cells in rows)]

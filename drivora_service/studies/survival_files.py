@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from drivora_service.markdown_text import table
 from drivora_service.plotting.survival import SurvivalLine, SurvivalPanel, draw_survival
 from drivora_service.studies.csv_text import write_csv
 from drivora_service.studies.survival import Survival
@@ -79,8 +80,7 @@ def survival_markdown(curves: Sequence[Survival], charts: Sequence[str] = ()) ->
         median = f">{curve.at[-1]}" if curve.median is None else str(curve.median)
         cells.append(f"{median} ({curve.events})")
     lines = ["## Simulations to the first kinds", "", _HOW_TO_READ, ""]
-    lines += [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
-    lines += [f"| {' | '.join((*place, *cells))} |" for place, cells in rows.items()]
+    lines += table(head, [(*place, *cells) for place, cells in rows.items()])
     return lines + [f"\n![{name}]({name})" for name in charts]
 
 

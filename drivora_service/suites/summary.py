@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from drivora_service.markdown_text import Markdown, escaped, table
 from drivora_service.suites.decision import ClassifiedFailure
-from drivora_service.suites.markdown_text import escaped
 from drivora_service.suites.report import SuiteReport
 
 _MOST_ROWS = 50
@@ -62,17 +62,10 @@ def _lines(report: SuiteReport) -> Iterator[str]:
 def _class(one: ClassifiedFailure, *, has_baseline: bool) -> str:
     if not has_baseline:
         return ""
-    return f"**{one.failure_class}**" if one.fails else str(one.failure_class)
+    return Markdown(f"**{one.failure_class}**") if one.fails else str(one.failure_class)
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    yield "| " + " | ".join(columns) + " |"
-    yield "|" + "---|" * len(columns)
-    for row in rows[:_MOST_ROWS]:
-        first, *rest = row
-        # Bold is the only markup of a cell, and only of the first one.
-        bold = first.startswith("**")
-        head = f"**{escaped(first.strip('*'))}**" if bold else escaped(first)
-        yield "| " + " | ".join((head, *map(escaped, rest))) + " |"
+    yield from table(columns, rows[:_MOST_ROWS])
     if len(rows) > _MOST_ROWS:
         yield f"| | and {len(rows) - _MOST_ROWS} more |" + " |" * (len(columns) - 2)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-
-from drivora_service.suites.markdown_text import escaped
+from drivora_service.markdown_text import escaped, table
 from drivora_service.suites.paired.comparison import (
     SIGNIFICANT,
     BatchComparison,
@@ -35,20 +33,20 @@ def comparison_markdown(comparison: BatchComparison) -> str:
     lines += [f"- {escaped(line)}" for line in setting_lines(comparison)]
     lines += [f"- Note: {escaped(note)}" for note in comparison.notes]
     lines += ["", "## Failures", "", how_to_read_failures(comparison), ""]
-    lines += _table(FAILURE_COLUMNS, map(failure_cells, failure_rows(comparison)))
+    lines += table(FAILURE_COLUMNS, map(failure_cells, failure_rows(comparison)))
     lines += ["", "## Metrics", "", how_to_read_metrics(), ""]
     measured = [row for row in comparison.metrics if row.scenarios]
-    lines += _table(METRIC_COLUMNS, map(metric_cells, measured))
+    lines += table(METRIC_COLUMNS, map(metric_cells, measured))
     unknown = [f"`{row.metric}`" for row in comparison.metrics if not row.scenarios]
     if unknown:
         lines += ["", f"Not measurable in any pair: {', '.join(unknown)}."]
     lines += ["", "## Pairs that tell A from B", ""]
     telling = telling_pairs(comparison)
     rows = (pair_cells(comparison, pair) for pair in telling)
-    lines += _table(pair_columns(comparison), rows) if telling else ["None."]
+    lines += table(pair_columns(comparison), rows) if telling else ["None."]
     if comparison.left_out:
         lines += ["", "## Left out", ""]
-        lines += _table(
+        lines += table(
             ("scenario", "seed", "A", "B", "why"),
             (
                 (one.scenario, str(one.seed), one.a or "-", one.b or "-", one.message)
@@ -190,11 +188,3 @@ def _has_repetitions(comparison: BatchComparison) -> bool:
 
 def _oracles(run: RunResult) -> frozenset[str]:
     return frozenset(one.oracle for one in run.failures)
-
-
-def _table(columns: Sequence[str], rows: Iterator[Sequence[str]]) -> list[str]:
-    return [
-        f"| {' | '.join(columns)} |",
-        "|" + "---|" * len(columns),
-        *(f"| {' | '.join(map(escaped, row))} |" for row in rows),
-    ]

@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+from html import unescape
+from html.parser import HTMLParser
+
+from hypothesis import given
+from hypothesis import strategies as st
+from markdown_it import MarkdownIt
+
+from drivora_service.markdown_text import Markdown, escaped, table
+
+
+class _Cells(HTMLParser):
+    """The text of each cell of the tables of a page."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.rows: list[list[str]] = []
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, _attributes: object) -> None:
+        if tag == "tr":
+            self.rows.append([])
+        elif tag in {"td", "th"}:
+            self.rows[-1].append("")
+
+    def handle_data(self, data: str) -> None:
+        if self.rows and self.rows[-1] and data.strip():
+            self.rows[-1][-1] += data
+
+
+def _read(lines: list[str]) -> list[list[str]]:
+    return _Cells(MarkdownIt("commonmark").enable("table").render("\n".join(lines))).rows
+
+
+plain = st.text(st.characters(codec="utf-8", categories=["L", "N", "P", "S"]), max_size=12)
+
+
+@given(st.lists(st.tuples(plain, plain), max_size=4))
+def test_a_reader_of_markdown_finds_the_cells_as_they_were_meant(
+    rows: list[tuple[str, str]],
+) -> None:
+    assert _read(table(("a|b", "`c`"), rows)) == [["a|b", "`c`"], *(list(row) for row in rows)]
+
+
+@given(plain)
+def test_a_reader_of_markdown_finds_a_line_as_it_was_meant(text: str) -> None:
+    read = MarkdownIt("commonmark").render(f"- {escaped(text)} x")
+    assert unescape(read) == f"<ul>\n<li>{text} x</li>\n</ul>\n".replace("<li> ", "<li>")
+
+
+def test_a_cell_that_is_markdown_stays_as_it_is() -> None:
+    *_, row = table(("agent",), [(Markdown("[`idm`](idm.md)"),)])
+    assert row == "| [`idm`](idm.md) |"
+
+
+def test_line_breaks_of_a_text_do_not_end_its_line() -> None:
+    assert escaped("one\ntwo\r\n three") == "one two three"
