@@ -14,12 +14,13 @@ from drivora_service.studies.study_comparison_text import (
     detail_cells,
     how_to_read_study,
     overview_cells,
+    remarks,
 )
 
 
 def print_study_comparison(comparison: StudyComparison) -> None:
     """Prints the overview, then a table a measure."""
-    for remark in comparison.notes:
+    for remark in remarks(comparison):
         print(f"note: {remark}")
     _print_by_first(
         "What the simulations came to",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING
@@ -21,7 +21,7 @@ from drivora_service.studies.comparison import (
     measure,
 )
 from drivora_service.studies.documents import StudyDocument
-from drivora_service.studies.figures import CampaignFigures, Subject
+from drivora_service.studies.figures import CampaignFigures, Subject, duration_s
 from drivora_service.studies.subjects import Compared
 
 if TYPE_CHECKING:
@@ -96,10 +96,13 @@ class StudyComparison(Shape):
     Attributes:
         baseline_method: The method that the others are compared with.
         baseline_agent: The agent that the others are compared with.
+        time_limits_s: Seconds of one worker within which evaluations count, by scenario with agent,
+            as ``by_method`` names them; empty unless methods are compared at equal time.
         notes: Remarks for the reader.
         overview: All places together: by method, then by agent.
         by_method: Methods on each scenario with each agent, which ``scenario`` names.
-        by_agent: Agents on each scenario with each method; ``method`` is the agent.
+        by_agent: Agents on each scenario with each method; ``method`` is the agent. Empty at equal
+            time.
         campaigns: Figures of each finished campaign.
     """
 
@@ -107,6 +110,7 @@ class StudyComparison(Shape):
     name: str
     baseline_method: str
     baseline_agent: str
+    time_limits_s: Mapping[str, float]
     notes: tuple[str, ...]
     overview: tuple[OverviewRow, ...]
     by_method: tuple[Difference, ...]
@@ -122,11 +126,12 @@ def compare_study(
     baseline_method: str = "",
     baseline_agent: str = "",
     measures: Sequence[Measure] = (),
+    equal_time: bool = False,
 ) -> StudyComparison:
     """Compares the finished campaigns of a study.
 
     Failures that an identical run did not repeat are left out. The figures of a campaign do not
-    depend on the others.
+    depend on the others, but for the limit of equal time.
 
     Args:
         database: Holds the study.
@@ -135,6 +140,9 @@ def compare_study(
         baseline_method: Method that the others are compared with; "": `random`, or the first one.
         baseline_agent: Agent that the others are compared with; "": the first one.
         measures: Measures to compare by; empty: :data:`HEADLINES`.
+        equal_time: Leave out the evaluations of each campaign after the seconds (of one worker, the
+            method's own time included) that the shortest campaign on the same scenario with the
+            same agent took. Agents are not compared then: the time of a run is theirs.
 
     Raises:
         UnknownName: There is no such study, method or agent.
@@ -154,12 +162,12 @@ def compare_study(
         if wanted not in known:
             raise UnknownName(f"{kind} of the study", wanted, known)
     chosen = tuple(measures) or tuple(measure(name) for name in HEADLINES)
-    figures = tuple(_figures(database, document, records, catalogues))
+    figures = tuple(_figures(database, document, records, catalogues, equal_time=equal_time))
     by_method = _compared(
-        figures, lambda f: replace(f, scenario=f"{f.scenario}, {f.agent}"), method, chosen
+        figures, lambda f: replace(f, scenario=_place(f.scenario, f.agent)), method, chosen
     )
     by_agent = _compared(
-        figures,
+        () if equal_time else figures,
         lambda f: replace(f, scenario=f"{f.scenario}, {f.method}", method=f.agent),
         agent,
         chosen,
@@ -176,6 +184,11 @@ def compare_study(
         name=study.name,
         baseline_method=method,
         baseline_agent=agent,
+        time_limits_s={
+            _place(one.scenario, one.agent): one.time_limit_s
+            for one in figures
+            if one.time_limit_s is not None
+        },
         notes=(f"{left} campaigns have not finished and are left out",) if left else (),
         overview=(
             *_overview(By.METHOD, by_method, figures, lambda f: f.method, chosen),
@@ -192,6 +205,8 @@ def _figures(
     document: StudyDocument,
     records: Sequence[CampaignRecord],
     catalogues: Catalogues,
+    *,
+    equal_time: bool,
 ) -> Iterator[StudyFigures]:
     """Yields the figures of campaigns, scenario by scenario."""
     # Imported here: importing this module shall not import the testers and the clustering.
@@ -202,12 +217,31 @@ def _figures(
         if not here:
             continue
         searched = searched_spaces_of(here[0], catalogues)
+        limits = _shortest(database, here) if equal_time else {}
         for record in here:
             campaign = _subject(record, document)
             evaluations = confirmed_evaluations(database, record.id, campaign.document.oracles)
-            figures = compared_figures(database, campaign, evaluations, searched, None)
-            agent = "" if record.cell is None else record.cell.agent
+            agent = _agent(record)
+            figures = compared_figures(database, campaign, evaluations, searched, limits.get(agent))
             yield combine(StudyFigures, figures, agent=agent)
+
+
+def _shortest(database: Database, records: Sequence[CampaignRecord]) -> Mapping[str, float]:
+    """Returns the seconds of the shortest of the campaigns with each agent."""
+    shortest: dict[str, float] = {}
+    for record in records:
+        # Read again later: the evaluations of hundreds of campaigns do not fit in memory at once.
+        took = duration_s(confirmed_evaluations(database, record.id, ()))
+        shortest[_agent(record)] = min(took, shortest.get(_agent(record), took))
+    return shortest
+
+
+def _agent(record: CampaignRecord) -> str:
+    return "" if record.cell is None else record.cell.agent
+
+
+def _place(scenario: str, agent: str) -> str:
+    return f"{scenario}, {agent}"
 
 
 def _subject(record: CampaignRecord, document: StudyDocument) -> Compared:

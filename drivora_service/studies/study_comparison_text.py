@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from drivora_service.markdown_text import table
+from drivora_service.markdown_text import escaped, table
 from drivora_service.studies.accountable_counts import COLUMNS, WORDS, accountable_rows
 from drivora_service.studies.comparison import SIGNIFICANT, Difference
 from drivora_service.studies.comparison_text import a12, probability, value
@@ -49,14 +49,28 @@ def detail_cells(row: Difference) -> tuple[str, ...]:
 
 def how_to_read_study(comparison: StudyComparison) -> str:
     """Explains the columns."""
+    agents = (
+        f", agents with {comparison.baseline_agent!r} on each scenario with each method"
+        if comparison.by_agent
+        else ""
+    )
     return (
         f"Methods are compared with {comparison.baseline_method!r} on each scenario with each "
-        f"agent, agents with {comparison.baseline_agent!r} on each scenario with each method. A12 "
+        f"agent{agents}. A12 "
         "is the probability that a repetition is better than one of the baseline, in the overview "
         "its mean over these places: 0.5 is no difference, from 0.71 on (or below 0.29) it is "
         "called large. Better and worse count the places with p (Mann-Whitney U, corrected by Holm "
         f"for all rows of a measure) below {SIGNIFICANT:g}; the others are open."
     )
+
+
+def remarks(comparison: StudyComparison) -> tuple[str, ...]:
+    """Returns what is to be known of the comparison: its notes, and its limits of time."""
+    limits = (
+        f"{place}: what each had done after {limit:.1f} s of one worker, its own time included"
+        for place, limit in comparison.time_limits_s.items()
+    )
+    return (*comparison.notes, *limits)
 
 
 def study_markdown(comparison: StudyComparison, charts: Sequence[str] = ()) -> str:
@@ -67,7 +81,7 @@ def study_markdown(comparison: StudyComparison, charts: Sequence[str] = ()) -> s
         charts: Names of pictures in the folder of the text.
     """
     lines = [f"# {comparison.name}", "", how_to_read_study(comparison), ""]
-    lines += [f"- Note: {note}" for note in comparison.notes]
+    lines += [f"- {escaped(remark)}" for remark in remarks(comparison)]
     for by in By:
         rows = [row for row in comparison.overview if row.by is by]
         if rows:

@@ -19,6 +19,7 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.studies.comparison import measure
 from drivora_service.studies.study_comparison import HEADLINES, By, StudyComparison, compare_study
 from drivora_service.studies.study_comparison_files import write_study_comparison
+from drivora_service.studies.study_comparison_text import study_markdown
 from drivora_service.studies.survival import kinds_reached
 from drivora_service.studies.table_names import TableName
 from drivora_service.studies.tables import SCHEMAS, csv_chunks, parquet_chunks
@@ -111,6 +112,33 @@ def test_campaigns_that_have_not_finished_are_left_out(
             transaction.campaigns.end(campaign_id, CampaignState.CANCELLED)
     with pytest.raises(Conflict, match="nothing to compare"):
         compare_study(database, study_id, catalogues)
+
+
+def test_at_equal_time_methods_are_compared_within_the_shortest_campaign_of_a_place(
+    database: Database, study_id: str, catalogues: Catalogues, comparison: StudyComparison
+) -> None:
+    limited = compare_study(database, study_id, catalogues, equal_time=True)
+    limits = {
+        f"{scenario}, {agent}": min(
+            one.own_s + one.simulation_s
+            for one in comparison.campaigns
+            if (one.scenario, one.agent) == (scenario, agent)
+        )
+        for scenario in ("first", "second")
+        for agent in ("idm", "idm-mobil")
+    }
+    assert limited.time_limits_s == pytest.approx(limits)
+    assert comparison.time_limits_s == {}
+    # Time is the agent's: no comparison by agent.
+    assert limited.by_agent == () != comparison.by_agent
+    whole = {one.campaign: one.simulations for one in comparison.campaigns}
+    left = [whole[one.campaign] - one.simulations for one in limited.campaigns]
+    assert min(left) == 0 < max(left)
+    for one in limited.campaigns:
+        assert one.own_s + one.simulation_s <= limits[f"{one.scenario}, {one.agent}"] + 1e-6
+    text = study_markdown(limited)
+    assert f"after {limits['first, idm']:.1f} s of one worker" in text
+    assert "agents with" not in text
 
 
 def test_the_files_have_the_overview_first_and_charts(

@@ -169,6 +169,10 @@ def get_comparison(
         list[str] | None,
         Query(alias="measure", max_length=50, description="By what; may be repeated."),
     ] = None,
+    equal_time: Annotated[
+        bool,
+        Query(description="Count what each had done after the time that the shortest one took."),
+    ] = False,
 ) -> Response:
     """Compares the finished campaigns of a study by method and by agent, an overview first."""
     comparison = compare_study(
@@ -178,6 +182,7 @@ def get_comparison(
         baseline_method=baseline_method,
         baseline_agent=baseline_agent,
         measures=tuple(measure(name) for name in dict.fromkeys(by or ())),
+        equal_time=equal_time,
     )
     return json_answer(request, StudyComparison, comparison)
 

@@ -139,6 +139,13 @@ def compare(
         list[str] | None,
         typer.Option("--measure", metavar="NAME", help="Measure; may be repeated."),
     ] = None,
+    equal_time: Annotated[
+        bool,
+        typer.Option(
+            "--equal-time",
+            help="Compare the results of each campaign after the time that the shortest one took.",
+        ),
+    ] = False,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Write tables (Markdown, CSV) and a chart there."),
@@ -155,6 +162,7 @@ def compare(
             baseline_method=baseline_method,
             baseline_agent=baseline_agent,
             measures=tuple(dict.fromkeys(measures or ())),
+            equal_time=equal_time,
         )
     if as_json:
         print_shape(type(comparison), comparison)

@@ -85,6 +85,7 @@ def compare_study(
     baseline_method: str = "",
     baseline_agent: str = "",
     measures: Sequence[str] = (),
+    equal_time: bool = False,
 ) -> Call[StudyComparison]:
     """Compares the finished campaigns of a study by method and by agent.
 
@@ -93,6 +94,7 @@ def compare_study(
         baseline_method: Method that the others are compared with; "": random, or the first one.
         baseline_agent: Agent that the others are compared with; "": the first one.
         measures: Names of what they are compared by; empty: the headlines.
+        equal_time: Count what each had done after the time that the shortest one took.
     """
     from drivora_service.studies.study_comparison import StudyComparison
 
@@ -100,6 +102,7 @@ def compare_study(
         "baseline_method": baseline_method,
         "baseline_agent": baseline_agent,
         "measure": tuple(measures),
+        "equal_time": equal_time or None,
     }
     return get(f"{_STUDY}/comparison", StudyComparison, query=query, study_id=study_id)
 

@@ -6588,7 +6588,7 @@ export interface components {
             baseline_method: string;
             /**
              * By Agent
-             * @description Agents on each scenario with each method; `method` is the agent.
+             * @description Agents on each scenario with each method; `method` is the agent. Empty at equal time.
              */
             by_agent: components["schemas"]["Difference"][];
             /**
@@ -6615,6 +6615,13 @@ export interface components {
             overview: components["schemas"]["OverviewRow"][];
             /** Study Id */
             study_id: string;
+            /**
+             * Time Limits S
+             * @description Seconds of one worker within which evaluations count, by scenario with agent, as `by_method` names them; empty unless methods are compared at equal time.
+             */
+            time_limits_s: {
+                [key: string]: number;
+            };
         };
         /**
          * StudyDocument
@@ -12220,6 +12227,8 @@ export interface operations {
                 baseline_agent?: string;
                 /** @description By what; may be repeated. */
                 measure?: string[] | null;
+                /** @description Count what each had done after the time that the shortest one took. */
+                equal_time?: boolean;
             };
             header?: never;
             path: {
