@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.search_scenes import Scene, prepared
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.judging import violations_of
-from drivora_service.oracles.verdict import Answer
+from drivora_service.oracles.accountability import AT_FAULT, Accountability, accountability
 from drivora_service.runs.candidate import CandidateSource
 from drivora_service.runs.report import RunReport, RunSpec, RunStatus
 
@@ -24,7 +24,8 @@ class Counts:
     Attributes:
         judged: Runs that were judged.
         at_fault: Runs in which an ego failed by its own fault.
-        avoidable: Those in which a careful and competent driver would not have.
+        avoidable: Those in which a careful and competent driver would not have, or that depend on
+            the ego alone.
         seconds: Wall time of a run in a worker, the mean.
     """
 
@@ -69,10 +70,10 @@ def count(evaluator: Evaluator, scene: Scene, draws: int, seed: int) -> Counts:
     for report in _reports(evaluator, specs):
         if report.status is not RunStatus.FINISHED:
             continue
-        own = [one for one in violations_of(report, search.oracles) if one.at_fault]
+        found = {accountability(one) for one in violations_of(report, search.oracles)}
         judged += 1
-        at_fault += bool(own)
-        avoidable += any(one.avoidable is Answer.YES for one in own)
+        at_fault += not found.isdisjoint(AT_FAULT)
+        avoidable += Accountability.AVOIDABLE in found
         seconds += report.wall_time_s
     return Counts(
         judged=judged, at_fault=at_fault, avoidable=avoidable, seconds=seconds / max(judged, 1)

@@ -15,6 +15,8 @@ from drivora_service.scenario.seeds import generate_seeds
 STEP = 0.1
 """Seconds a step: half the steps of the default."""
 LENGTHS_M = (100.0, 250.0)
+DETOUR_LENGTHS_M = (250.0, 500.0)
+"""Room for a lane change that leaves the reference path for two fifths of the way."""
 SEEDS_OF_A_NETWORK = 4
 FIRST_SEED = 501
 
@@ -91,7 +93,7 @@ SPACES_OF_DETOURS: Mapping[str, Mapping[str, Any]] = {
 
 def failing_scenes() -> Iterator[Scene]:
     """Yields scenes for failures, in an order in which every part is a sample of the whole."""
-    for name, scenario in _seed_scenarios():
+    for name, scenario in _seed_scenarios(LENGTHS_M):
         for space_name, space in SPACES.items():
             for agent, parameters in AGENTS:
                 yield Scene(
@@ -105,7 +107,7 @@ def failing_scenes() -> Iterator[Scene]:
 
 def detour_scenes() -> Iterator[Scene]:
     """Yields scenes for needless detours, with the path that the ADS takes without other actors."""
-    for name, scenario in _seed_scenarios():
+    for name, scenario in _seed_scenarios(DETOUR_LENGTHS_M):
         for agent in DETOURING_AGENTS:
             try:
                 told = with_driven_paths(scenario, agent)
@@ -121,15 +123,15 @@ def detour_scenes() -> Iterator[Scene]:
                 )
 
 
-def _seed_scenarios() -> Iterator[tuple[str, dict[str, Any]]]:
+def _seed_scenarios(lengths_m: tuple[float, float]) -> Iterator[tuple[str, dict[str, Any]]]:
     towns = sorted(path.name for path in shipped_networks().iterdir() if path.is_dir())
     seeds = {
         town: list(
             generate_seeds(
                 catalogues().networks.get(town),
                 count=SEEDS_OF_A_NETWORK,
-                min_length=LENGTHS_M[0],
-                max_length=LENGTHS_M[1],
+                min_length=lengths_m[0],
+                max_length=lengths_m[1],
                 seed=FIRST_SEED + place,
                 agent="idm",
             )

@@ -1,0 +1,151 @@
+"""Tables of the methods of one or several studies, each by its own target.
+
+    drivora study compare ID --out FOLDER
+    python -m benchmarks.method_tables FOLDER/figures.csv…
+    python -m benchmarks.method_tables FOLDER/figures.csv… --measure avoidable
+    python -m benchmarks.method_tables FOLDER/figures.csv… --twins
+
+The first table compares every method with random search by what its authors want of it, the second
+by a measure that is the same for all, the third each method with its twin without feedback, by its
+own target again. p is corrected by Holm: against random over all rows of the same measure, and
+against the twins over the places of a method. Campaigns of a study at equal time
+(`study compare --equal-time`) are read in the same way.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields, replace
+from pathlib import Path
+
+from pydantic import TypeAdapter
+
+from drivora_service.markdown_text import table
+from drivora_service.studies.comparison import Difference, compare_campaigns, measure
+from drivora_service.studies.comparison_text import a12, value
+from drivora_service.studies.study_comparison import StudyFigures
+
+OWN_TARGETS: Mapping[str, str] = {
+    "avfuzzer": "avoidable",
+    "behavexplor": "avoidable_situations",
+    # Objectives covered are not in what a run of other methods measures.
+    "samota": "oracles",
+    "doppeltest": "kinds",
+    "lawbreaker": "law_coverage",
+    "drivefuzz": "avoidable",
+    # Of the study of needless detours, where they are the only failures.
+    "decictor": "avoidable",
+    # Its reward is nearness to a collision, whosever fault.
+    "deepcollision": "failing",
+}
+"""The measure of what the authors of each method want of it."""
+
+COLUMNS = (
+    "method",
+    "by",
+    "place",
+    "n",
+    "median",
+    "baseline",
+    "A12 [95 %]",
+    "p",
+    "p, Holm",
+)
+_BASELINE = "random"
+_TWIN = " without feedback"
+
+
+def read(path: Path) -> Iterator[StudyFigures]:
+    """Reads the figures of the campaigns of a study, as its comparison wrote them."""
+    adapter = TypeAdapter(StudyFigures)
+    names = {field.name for field in fields(StudyFigures)}
+    lists = {"found", "found_avoidable"}
+    with path.open(newline="") as file:
+        for row in csv.DictReader(file):
+            cells = {
+                name: cell.split() if name in lists else cell or None
+                for name, cell in row.items()
+                if name in names
+            }
+            yield adapter.validate_python(cells)
+
+
+def against_random(figures: Sequence[StudyFigures], by: str = "") -> list[Difference]:
+    """Compares methods with random search.
+
+    Args:
+        figures: Figures of campaigns.
+        by: A measure for all methods; "": each by its own target.
+    """
+    wanted: dict[str, list[str]] = {}
+    for method in dict.fromkeys(one.method for one in figures):
+        target = by or OWN_TARGETS.get(method, "")
+        if target and method != _BASELINE:
+            wanted.setdefault(target, []).append(method)
+    rows: list[Difference] = []
+    for target, methods in wanted.items():
+        compared = _with_baseline(figures, methods, _BASELINE)
+        if compared:
+            rows += compare_campaigns(compared, _BASELINE, [measure(target)])
+    return rows
+
+
+def against_twins(figures: Sequence[StudyFigures], by: str = "") -> list[Difference]:
+    """Compares each method with itself without feedback.
+
+    Args:
+        figures: Figures of campaigns.
+        by: A measure for all methods; "": each by its own target.
+    """
+    rows: list[Difference] = []
+    for method, target in OWN_TARGETS.items():
+        compared = _with_baseline(figures, [method], method + _TWIN)
+        if compared:
+            rows += compare_campaigns(compared, method + _TWIN, [measure(by or target)])
+    return rows
+
+
+def _with_baseline(
+    figures: Sequence[StudyFigures], methods: Sequence[str], baseline: str
+) -> list[StudyFigures]:
+    """Returns the campaigns of methods and baseline where there are both, with place and ADS."""
+    placed = [replace(one, scenario=f"{one.scenario}, {one.agent}") for one in figures]
+    there = {name: {one.scenario for one in placed if one.method == name} for name in methods}
+    bases = {one.scenario for one in placed if one.method == baseline}
+    both = {place for places in there.values() for place in places & bases}
+    return [one for one in placed if one.scenario in both and (one.method in {*methods, baseline})]
+
+
+def cells(row: Difference) -> tuple[str, ...]:
+    """Returns the cells of a row; a star marks a large effect that is significant."""
+    mark = " *" if row.is_better else ""
+    return (
+        row.method,
+        row.title,
+        row.scenario,
+        f"{row.repetitions}/{row.baseline_repetitions}",
+        value(row.median),
+        value(row.baseline_median),
+        a12(row),
+        f"{row.p:.2g}",
+        f"{row.p_holm:.2g}{mark}",
+    )
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Prints a table."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("figures", nargs="+", type=Path, help="figures.csv of studies")
+    parser.add_argument("--measure", default="", help="the same for all, not each one's target")
+    parser.add_argument("--twins", action="store_true", help="against methods without feedback")
+    options = parser.parse_args(arguments)
+    figures = [one for path in options.figures for one in read(path)]
+    rows = (against_twins if options.twins else against_random)(figures, options.measure)
+    print("\n".join(table(COLUMNS, map(cells, rows))))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
