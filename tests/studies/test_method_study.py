@@ -107,14 +107,15 @@ def test_needless_detours_are_judged_for_all_methods(
     study = read_study({**file.content, "repetitions": 1}, catalogues)
     assert study.document.oracles == ("non_optimal_decision",)
     (agent,) = study.document.agents
-    (scene,) = study.document.scenarios
-    content = json.loads(scene.document.model_dump_json())
-    # The scene has the path that the ADS takes in it now.
-    written = [ego.pop("reference_path") for ego in content["ego_vehicles"]]
-    driven = json.loads(with_driven_paths(content, agent.name))
-    for path, ego in zip(written, driven["ego_vehicles"], strict=True):
-        now = [(pose["time"], pose["x"], pose["y"]) for pose in ego["reference_path"]]
-        assert [(pose["time"], pose["x"], pose["y"]) for pose in path] == [
-            pytest.approx(pose, abs=0.01) for pose in now
-        ]
-        assert ego["agent"]["name"] == agent.name
+    assert len(study.document.scenarios) == 3
+    for scene in study.document.scenarios:
+        content = json.loads(scene.document.model_dump_json())
+        # The scene has the path that the ADS takes in it now.
+        written = [ego.pop("reference_path") for ego in content["ego_vehicles"]]
+        driven = json.loads(with_driven_paths(content, agent.name))
+        for path, ego in zip(written, driven["ego_vehicles"], strict=True):
+            now = [(pose["time"], pose["x"], pose["y"]) for pose in ego["reference_path"]]
+            assert [(pose["time"], pose["x"], pose["y"]) for pose in path] == [
+                pytest.approx(pose, abs=0.01) for pose in now
+            ]
+            assert ego["agent"]["name"] == agent.name
