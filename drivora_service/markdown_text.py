@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 
-_MARKUP = "\\`*_[]<|&~"
+# An underscore between letters or digits is none: names have them.
+_MARKUP = re.compile(r"[\\`*\[\]<|&~]|_(?![^\W_])|(?<![^\W_])_")
 _MARKUP_AT_THE_BEGINNING = (">", "#", "-", "+")
 
 
@@ -36,6 +38,4 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def _inline(text: str) -> str:
-    for character in _MARKUP:
-        text = text.replace(character, f"\\{character}")
-    return " ".join(text.split())
+    return " ".join(_MARKUP.sub(r"\\\g<0>", text).split())

@@ -33,7 +33,11 @@ def _read(lines: list[str]) -> list[list[str]]:
     return _Cells(MarkdownIt("commonmark").enable("table").render("\n".join(lines))).rows
 
 
-plain = st.text(st.characters(codec="utf-8", categories=["L", "N", "P", "S"]), max_size=12)
+plain = st.text(
+    st.sampled_from("ab1_*`[|\\<&~")
+    | st.characters(codec="utf-8", categories=["L", "N", "P", "S"]),
+    max_size=12,
+)
 
 
 @given(st.lists(st.tuples(plain, plain), max_size=4))
@@ -56,3 +60,7 @@ def test_a_cell_that_is_markdown_stays_as_it_is() -> None:
 
 def test_line_breaks_of_a_text_do_not_end_its_line() -> None:
     assert escaped("one\ntwo\r\n three") == "one two three"
+
+
+def test_names_stay_legible() -> None:
+    assert escaped("tee-town_0001 of _a_ | b") == "tee-town_0001 of \\_a\\_ \\| b"

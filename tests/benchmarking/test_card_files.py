@@ -47,13 +47,13 @@ def test_a_page_has_the_scores_of_benchmarks() -> None:
 
 def test_what_programs_said_stays_in_its_cell() -> None:
     page = card_markdown(card_of(AGENT, (finished(1, HIT),)), runs=1)
-    assert "| collision | 1 | 1 | tee-town-01: hit \\| npc\\_1 with its front |" in page
+    assert "| collision | 1 | 1 | tee-town-01: hit \\| npc_1 with its front |" in page
 
 
 def test_an_agent_that_always_fails_says_with_what_cause() -> None:
     card = card_of(AGENT, [failed(n, RunStatus.AGENT_FAILED, "agent_hung") for n in (1, 2)])
     page = card_markdown(card, runs=2)
-    assert "| agent failed | agent\\_hung | 2 | tee-town-01: it was agent\\_hung |" in page
+    assert "| agent failed | agent_hung | 2 | tee-town-01: it was agent_hung |" in page
     assert "| all | 2 | 0 | - | - | - | - | 0.0 | - | - | - | - | 2 |" in page
     assert "## A run" not in page
 
