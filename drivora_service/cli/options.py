@@ -17,6 +17,13 @@ ServerOption = Annotated[
         help="Ask the service at URL (token: DRIVORA_TOKEN) instead of working in this process.",
     ),
 ]
+EqualTimeOption = Annotated[
+    bool,
+    typer.Option(
+        "--equal-time",
+        help="Compare the results of each campaign after the time that the shortest one took.",
+    ),
+]
 DataDirOption = Annotated[
     Path | None,
     typer.Option(

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from drivora_service.cli.connection import connected
-from drivora_service.cli.options import DataDirOption, ServerOption, location
+from drivora_service.cli.options import DataDirOption, EqualTimeOption, ServerOption, location
 from drivora_service.cli.out_option import check_file, check_folder, writing
 from drivora_service.cli.output import JsonOption, note, print_shape, write_text
 
@@ -25,13 +25,7 @@ def compare(
         list[str] | None,
         typer.Option("--measure", metavar="NAME", help="Measure; may be repeated [default: all]."),
     ] = None,
-    equal_time: Annotated[
-        bool,
-        typer.Option(
-            "--equal-time",
-            help="Compare the results of each campaign after the time that the shortest one took.",
-        ),
-    ] = False,
+    equal_time: EqualTimeOption = False,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Write tables (Markdown, CSV) and charts there."),

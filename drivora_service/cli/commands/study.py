@@ -9,7 +9,13 @@ import typer
 
 from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.cli.options import DataDirOption, ServerOption, WorkersOption, location
+from drivora_service.cli.options import (
+    DataDirOption,
+    EqualTimeOption,
+    ServerOption,
+    WorkersOption,
+    location,
+)
 from drivora_service.cli.out_option import check_folder, writing
 from drivora_service.cli.output import JsonOption, fail, note, print_json, print_shape
 from drivora_service.cli.running_errors import ErrorPrinter
@@ -139,13 +145,7 @@ def compare(
         list[str] | None,
         typer.Option("--measure", metavar="NAME", help="Measure; may be repeated."),
     ] = None,
-    equal_time: Annotated[
-        bool,
-        typer.Option(
-            "--equal-time",
-            help="Compare the results of each campaign after the time that the shortest one took.",
-        ),
-    ] = False,
+    equal_time: EqualTimeOption = False,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Write tables (Markdown, CSV) and a chart there."),
