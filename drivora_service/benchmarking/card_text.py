@@ -95,14 +95,7 @@ def cards_markdown(cards: Sequence[AgentCard], absent: Sequence[AgentEntry], *, 
     lines = ["# Agent cards", ""]
     lines += [f"- {line}" for line in setting(runs)]
     lines += ["", HOW_TO_READ, ""]
-    rows = (
-        (
-            Markdown(f"[`{card.agent.name}`]({card.agent.name}.md)"),
-            view_of(card.agent),
-            *cells(card.total),
-        )
-        for card in cards
-    )
+    rows = ((_link(card.agent), view_of(card.agent), *cells(card.total)) for card in cards)
     lines += table(("agent", "view", *COLUMNS), rows)
     if absent:
         lines += ["", "Not run:", ""]

@@ -176,7 +176,7 @@ def compare_study(
         raise Conflict(
             f"study {study_id} has nothing to compare: {len(records)} of "
             f"{sum(study.campaigns.values())} campaigns have finished, and two repetitions of two "
-            "methods or two agents on one scenario are needed"
+            f"{'methods' if equal_time else 'methods or two agents'} on one scenario are needed"
         )
     left = sum(study.campaigns.values()) - len(records)
     return StudyComparison(
