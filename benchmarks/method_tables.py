@@ -4,12 +4,17 @@
     python -m benchmarks.method_tables FOLDER/figures.csv…
     python -m benchmarks.method_tables FOLDER/figures.csv… --measure avoidable
     python -m benchmarks.method_tables FOLDER/figures.csv… --twins
+    python -m benchmarks.method_tables FOLDER/figures.csv… --survival PICTURES
 
 The first table compares every method with random search by what its authors want of it, the second
 by a measure that is the same for all, the third each method with its twin without feedback, by its
 own target again. p is corrected by Holm: against random over all rows of the same measure, and
 against the twins over the places of a method. Campaigns of a study at equal time
-(`study compare --equal-time`) are read in the same way.
+(`study compare --equal-time`) are read in the same way. The pictures are the survival curves of all
+methods but the twins.
+
+A study may have been run in parts, each with other repetitions (`seed` and `repetitions` in its
+file), or each on a machine of its own: the tables are those of all files together.
 """
 
 from __future__ import annotations
@@ -27,6 +32,8 @@ from drivora_service.markdown_text import table
 from drivora_service.studies.comparison import Difference, compare_campaigns, measure
 from drivora_service.studies.comparison_text import a12, value
 from drivora_service.studies.study_comparison import StudyFigures
+from drivora_service.studies.survival import survival_curves
+from drivora_service.studies.survival_files import write_survival
 
 OWN_TARGETS: Mapping[str, str] = {
     "avfuzzer": "avoidable",
@@ -135,14 +142,25 @@ def cells(row: Difference) -> tuple[str, ...]:
     )
 
 
+def draw_curves(figures: Sequence[StudyFigures], folder: Path) -> tuple[Path, ...]:
+    """Draws the survival curves of all methods but the twins, into a folder that may be new."""
+    shown = [one for one in figures if not one.method.endswith(_TWIN)]
+    folder.mkdir(parents=True, exist_ok=True)
+    return write_survival(survival_curves(shown, agent_of=lambda one: one.agent), _BASELINE, folder)
+
+
 def main(arguments: Sequence[str]) -> None:
-    """Prints a table."""
+    """Prints a table, or draws curves."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("figures", nargs="+", type=Path, help="figures.csv of studies")
     parser.add_argument("--measure", default="", help="the same for all, not each one's target")
     parser.add_argument("--twins", action="store_true", help="against methods without feedback")
+    parser.add_argument("--survival", type=Path, help="folder for curves, in place of a table")
     options = parser.parse_args(arguments)
     figures = [one for path in options.figures for one in read(path)]
+    if options.survival:
+        print("\n".join(map(str, draw_curves(figures, options.survival))))
+        return
     rows = (against_twins if options.twins else against_random)(figures, options.measure)
     print("\n".join(table(COLUMNS, map(cells, rows))))
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import pytest
@@ -143,3 +144,31 @@ def test_the_table_marks_large_effects(written: Path, capsys: pytest.CaptureFixt
     assert head.startswith("| method | by | place | n |")
     marks = {row.split(" | ")[0].strip("| "): row.endswith("* |") for row in rows}
     assert marks == {"avfuzzer": True, "avfuzzer without feedback": True, "lawbreaker": False}
+
+
+def test_parts_of_a_study_are_read_as_one(
+    written: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    head, *lines = written.read_text().splitlines()
+    parts = [tmp_path / "first.csv", tmp_path / "second.csv"]
+    for place, part in enumerate(parts):
+        part.write_text("\n".join([head, *lines[place::2], ""]))
+    main([str(written)])
+    whole = capsys.readouterr().out
+    main([str(part) for part in parts])
+    assert capsys.readouterr().out == whole
+
+
+def test_curves_show_all_methods_but_the_twins(
+    written: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    main([str(written), "--survival", str(tmp_path / "pictures")])
+    drawn = [Path(line) for line in capsys.readouterr().out.splitlines()]
+    assert [path.name for path in drawn] == ["survival.csv", "survival-1.svg", "survival-1.png"]
+    with drawn[0].open(newline="") as file:
+        rows = [(r["method"], r["events"], r["median"]) for r in csv.DictReader(file)]
+    # Random and LawBreaker found nothing with their first seed.
+    assert rows == [("random", "7", "7"), ("avfuzzer", "8", "7"), ("lawbreaker", "7", "7")]
+    picture = drawn[1].read_text()
+    assert "lawbreaker" in picture
+    assert "without feedback" not in picture
