@@ -108,6 +108,8 @@ CAMPAIGN_TABLE = RECORDED + "campaign-failures.csv"
 FOUND_FAILURES = RECORDED + "found-failures.json"
 FOUND_FAILURE = RECORDED + "found-failure.json"
 FAILURE_GROUPS = RECORDED + "failure-groups.json"
+FAILURE_GROUP = RECORDED + "failure-group.json"
+GROUP_CHANGES = RECORDED + "group-changes.json"
 COMPARISON = RECORDED + "comparison.json"
 
 QUEUED_STUDY = RECORDED + "queued-study.json"

@@ -15,6 +15,7 @@ from drivora_service.cli.commands import (
     compare,
     demo,
     export,
+    failures,
     laws,
     minimize,
     networks,
@@ -86,6 +87,7 @@ app.command("demo", epilog=EPILOG)(demo.demo)
 app.add_typer(runs.app, name="runs", epilog=EPILOG)
 app.add_typer(campaign.app, name="campaign", epilog=EPILOG)
 app.add_typer(study.app, name="study", epilog=EPILOG)
+app.add_typer(failures.app, name="failures", epilog=EPILOG)
 app.add_typer(suite.app, name="suite", epilog=EPILOG)
 app.add_typer(seeds.app, name="seeds", epilog=EPILOG)
 app.add_typer(networks.app, name="networks", epilog=EPILOG)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shlex
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import typer
 
@@ -54,6 +55,27 @@ WorkersOption = Annotated[
     int | None,
     typer.Option(min=1, help="Worker processes [default: one a core]; not with --server."),
 ]
+
+
+_Word = TypeVar("_Word", bound=StrEnum)
+
+
+def one_of(kind: type[_Word], word: str, option: str) -> _Word:
+    """Reads one of a few words.
+
+    Args:
+        kind: The words.
+        word: The given one.
+        option: Name of the option.
+
+    Raises:
+        typer.BadParameter: It is none of them.
+    """
+    try:
+        return kind(word)
+    except ValueError as error:
+        known = ", ".join(kind)
+        raise typer.BadParameter(f"{word!r}; known: {known}", param_hint=option) from error
 
 
 def location(server: str, data_dir: Path | None) -> str:

@@ -118,9 +118,23 @@ def get(
     )
 
 
-def act(template: str, answer: type[T], **places: str | int) -> Call[T]:
-    """Returns a call that changes what is there, and has no body."""
-    return Call(method="POST", template=template, places=places, answer=answer, is_repeatable=False)
+def act(
+    template: str,
+    answer: type[T],
+    *,
+    given: Mapping[str, object] | None = None,
+    **places: str | int,
+) -> Call[T]:
+    """Returns a call that changes what is there; ``given`` is its body, as JSON."""
+    return Call(
+        method="POST",
+        template=template,
+        places=places,
+        body=None if given is None else json.dumps(given).encode(),
+        headers={} if given is None else {"Content-Type": "application/json"},
+        answer=answer,
+        is_repeatable=False,
+    )
 
 
 def post(

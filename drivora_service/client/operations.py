@@ -192,6 +192,11 @@ class Operations:
     found_failures = Listed(failure_calls.found_failures)
     found_failure = Answered(failure_calls.found_failure)
     failure_groups = Listed(failure_calls.failure_groups)
+    failure_group = Answered(failure_calls.failure_group)
+    failure_group_changes = Answered(failure_calls.failure_group_changes)
+    decide_group = Answered(failure_calls.decide_group)
+    merge_groups = Answered(failure_calls.merge_groups)
+    split_group = Answered(failure_calls.split_group)
 
     post_study = Answered(study_calls.post_study)
     studies = Listed(study_calls.studies)

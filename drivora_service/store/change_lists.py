@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session
 from drivora_service.shapes import Shape
 from drivora_service.store.batches import SINGLE_JOBS
 from drivora_service.store.campaign_tables import CampaignRow, StudyRow, is_campaign_of
+from drivora_service.store.group_tables import FailureGroupRow
 from drivora_service.store.minimization_tables import MinimizationRow
 from drivora_service.store.revisions import Position, is_known, latest_position
 from drivora_service.store.tables import BatchRow, RunRow
@@ -30,6 +31,8 @@ class ChangedKind(StrEnum):
     CAMPAIGN = "campaign"
     STUDY = "study"
     MINIMIZATION = "minimization"
+    GROUP = "group"
+    """A group of failures about which somebody has decided something."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +41,8 @@ class Change(Shape):
 
     Attributes:
         id: Id of the object.
-        status: Status of a run, state of another; empty for a study of which only the store knows.
+        status: Status of a run or a group of failures, state of another; empty for a study of which
+            only the store knows.
         revision: Count of all changes at its newest one.
         batch_id: Batch of a run, a campaign or a minimisation, or itself; empty without one.
         campaign_id: Campaign that it is or belongs to; empty without one.
@@ -88,12 +92,12 @@ class ChangeRepository:
         return is_known(self._session, position)
 
     def has(self, object_id: str) -> bool:
-        """Returns whether there is a run, batch, campaign, study or minimisation of an id."""
+        """Returns whether there is a run, batch, campaign, study or other object of an id."""
         if object_id.startswith(SINGLE_JOBS):
             return False
         return any(
             self._session.scalar(select(row.id).where(row.id == object_id)) is not None
-            for row in (RunRow, BatchRow, CampaignRow, StudyRow, MinimizationRow)
+            for row in (RunRow, BatchRow, CampaignRow, StudyRow, MinimizationRow, FailureGroupRow)
         )
 
     def after(
@@ -180,6 +184,9 @@ def _query(kind: ChangedKind) -> Select[*tuple[Any, ...]]:
             query = _columns(
                 kind, MinimizationRow, MinimizationRow.state, batch_id=MinimizationRow.batch_id
             )
+        case ChangedKind.GROUP:
+            row = FailureGroupRow
+            query = _columns(kind, FailureGroupRow, FailureGroupRow.status)
     return (
         query.where(row.revision > bindparam("after"), row.revision <= bindparam("newest"))
         .order_by(row.revision)

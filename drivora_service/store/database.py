@@ -29,6 +29,8 @@ from drivora_service.store.evaluations import EvaluationRepository
 from drivora_service.store.facets import count_changes
 from drivora_service.store.figures import FigureRepository
 from drivora_service.store.found_lists import FoundRepository
+from drivora_service.store.group_decisions import DecisionRepository
+from drivora_service.store.group_lists import GroupRepository
 from drivora_service.store.idempotency import IdempotencyRepository
 from drivora_service.store.jobs import JobRepository
 from drivora_service.store.migration import migrate
@@ -113,6 +115,16 @@ class Transaction:
     def found(self) -> FoundRepository:
         """The failures of all campaigns and batches."""
         return FoundRepository(self.session)
+
+    @property
+    def groups(self) -> GroupRepository:
+        """Groups of these failures."""
+        return GroupRepository(self.session)
+
+    @property
+    def decisions(self) -> DecisionRepository:
+        """What people decide about groups of failures."""
+        return DecisionRepository(self.session)
 
     @property
     def queue(self) -> QueueRepository:

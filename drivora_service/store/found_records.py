@@ -17,12 +17,13 @@ class FoundFilter:
 
     Attributes:
         oracle: Name of the oracle.
-        group: Group of the failure.
+        group: Id of the group of the failure.
         at_fault: Whether an ego is at fault.
         accountability: Accountability of the ego.
         agent: ADS of the campaign or run.
         town: Name of the road network.
         campaign_id: Campaign that found it.
+        study_id: Study whose campaign found it.
         batch_id: Batch of the run, outside campaigns.
         confirmation: Whether an identical run repeated it; runs outside campaigns have none.
         since: Found at this time or later.
@@ -36,6 +37,7 @@ class FoundFilter:
     agent: str = ""
     town: str = ""
     campaign_id: str = ""
+    study_id: str = ""
     batch_id: str = ""
     confirmation: Confirmation | None = None
     since: datetime | None = None
@@ -48,8 +50,9 @@ class FoundFailure(Shape):
 
     Attributes:
         id: Grows with the time at which it was found.
-        group: Oracle, relation of the other actor to the ego, and manoeuvre: the same on all road
-            networks and in all campaigns.
+        group_name: Oracle, relation of the other actor to the ego, and manoeuvre: the same on all
+            road networks and in all campaigns.
+        group_id: Id of its group: that of its name, unless somebody has decided otherwise.
         accountability: null if it was judged before this was recorded.
         campaign_id: Campaign that found it; empty for a run outside campaigns.
         evaluation: Number of its evaluation; null outside campaigns.
@@ -67,7 +70,8 @@ class FoundFailure(Shape):
     id: int
     found_at: datetime
     oracle: str
-    group: str
+    group_name: str
+    group_id: str
     agent: str
     town: str
     at_fault: bool | None
@@ -83,34 +87,3 @@ class FoundFailure(Shape):
     avoidable_until: float | None
     sentence: str
     verdict: Verdict
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FailureGroup(Shape):
-    """Failures of one group that pass a filter.
-
-    Attributes:
-        group: Oracle, relation of the other actor to the ego, and manoeuvre.
-        failures: Number of failures.
-        avoidable: Those that are the fault of an ego and avoidable.
-        others: The others.
-        campaigns: Number of campaigns that found some.
-        towns: Number of road networks.
-        first_seen: When the first was found.
-        last_seen: When the last was found.
-        example: One with a recording, if it has one, and of those the last that is the fault of an
-            ego and avoidable, else the last.
-        sentence: The facts of the example.
-    """
-
-    group: str
-    oracle: str
-    failures: int
-    avoidable: int
-    others: int
-    campaigns: int
-    towns: int
-    first_seen: datetime
-    last_seen: datetime
-    example: FoundFailure
-    sentence: str

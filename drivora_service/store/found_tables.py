@@ -22,10 +22,12 @@ class FoundRow(Base):
     __table_args__ = (
         Index("ix_found_failures_campaign", "campaign_seq", "number", "place"),
         Index("ix_found_failures_run", "run_seq"),
+        Index("ix_found_failures_group_seq", "group_seq"),
         # It has all columns of filters and of groups, so that these need no rows and no sorting.
         Index(
             "ix_found_failures_group",
             "group_name",
+            "group_seq",
             "accountability",
             "campaign_seq",
             "town",
@@ -49,6 +51,8 @@ class FoundRow(Base):
     place: Mapped[int]
     oracle: Mapped[str] = mapped_column(String(60))
     group: Mapped[str] = mapped_column("group_name", String(400))
+    group_seq: Mapped[int | None]
+    """The group that somebody has put it into, whatever its name; ``None``: that of its name."""
     agent: Mapped[str] = mapped_column(String(200))
     town: Mapped[str] = mapped_column(String(100))
     at_fault: Mapped[bool | None]

@@ -23,6 +23,7 @@ from drivora_service.errors import StoreError
 from drivora_service.store import (  # noqa: F401 # their tables
     campaign_tables,
     facet_tables,
+    group_tables,
     minimization_tables,
 )
 from drivora_service.store.revisions import new_epoch

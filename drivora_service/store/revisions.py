@@ -1,6 +1,6 @@
 """The count of changes, which orders everything that happens to what a service keeps.
 
-That is runs, batches, campaigns, studies and minimisations.
+That is runs, batches, campaigns, studies, minimisations and groups of failures.
 
 Every transaction that changes what is shown of such an object gives it the next number of the count
 as its ``revision``. The count only grows, also when the newest object is deleted. Rows that the ORM
@@ -31,6 +31,7 @@ from drivora_service.store.campaign_tables import (
     FailureRow,
     StudyRow,
 )
+from drivora_service.store.group_tables import FailureGroupRow
 from drivora_service.store.minimization_tables import MinimizationRow
 from drivora_service.store.plain_statements import execute_many
 from drivora_service.store.tables import BatchRow, EpochRow, RunRow
@@ -42,7 +43,7 @@ _KEPT = 1000
 
 _POSITION = re.compile(r"([0-9a-f]{12})\.([0-9]{1,15})|([0-9]{1,15})")
 
-Revised = RunRow | BatchRow | CampaignRow | StudyRow | MinimizationRow
+Revised = RunRow | BatchRow | CampaignRow | StudyRow | MinimizationRow | FailureGroupRow
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -45,6 +45,9 @@ _TIMES = {
     "found_at": "2026-03-02T09:30:04Z",
     "first_seen": "2026-03-02T09:30:04Z",
     "last_seen": "2026-03-02T09:30:19Z",
+    "status_at": "2026-03-02T09:30:40Z",
+    "changed_at": "2026-03-02T09:30:40Z",
+    "at": "2026-03-02T09:30:40Z",
 }
 _REVISION, _EPOCH = 4711, "5f0c2b7a91de"
 _DURATIONS = {
@@ -252,7 +255,12 @@ class _Recording:
         found = self._get(f"/failures?{wanted}&limit=1")
         self._keep(examples.FOUND_FAILURES, found)
         self._keep(examples.FOUND_FAILURE, self._get(f"/failures/{found['items'][0]['id']}"))
-        self._keep(examples.FAILURE_GROUPS, self._get("/failures/groups?limit=2"))
+        groups = self._get("/failures/groups?limit=2")
+        self._keep(examples.FAILURE_GROUPS, groups)
+        group = f"/failures/groups/{groups['items'][0]['id']}"
+        decision = {"status": "known", "note": "Issue 12.", "assignee": "Ada", "by": "Ada"}
+        self._keep(examples.FAILURE_GROUP, self._post(f"{group}:decide", decision))
+        self._keep(examples.GROUP_CHANGES, self._get(f"{group}/changes"))
         studied = [
             self._post(
                 "/campaigns",

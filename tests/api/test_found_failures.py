@@ -67,7 +67,7 @@ def test_a_violation_of_a_single_run_is_told_by_its_facts(
     verdict = failure["verdict"]
     assert (verdict["at_fault"], verdict["avoidable"]) == (True, "yes")
     assert failure["accountability"] == "avoidable"
-    assert failure["group"] == "collision|npc_obstacle, front|standing"
+    assert failure["group_name"] == "collision|npc_obstacle, front|standing"
     until = verdict["time"] - verdict["evidence"]["avoidability"]["latest_before"]
     assert failure["avoidable_until"] == pytest.approx(until)
     for fact in ("an obstacle", "8.0 m/s", "front", "tee-town", f"avoidable until {until:.2f} s"):
@@ -82,11 +82,12 @@ def test_groups_count_the_failures_that_pass_the_filters(
         found = http.get(f"{FAILURES}?limit=500&{query}").json()["items"]
         answer = http.get(f"{FAILURES}/groups?limit=500&{query}")
         groups = answer.json()["items"]
-        assert {g["group"]: g["failures"] for g in groups} == Counter(f["group"] for f in found)
+        assert {g["id"]: g["failures"] for g in groups} == Counter(f["group_id"] for f in found)
         for group in groups:
             listed = http.get(f"{group['failures_url']}&limit=500").json()["items"]
             assert len(listed) == group["failures"]
-            assert {f["group"] for f in listed} == {group["group"]}
+            assert {f["group_id"] for f in listed} == {group["id"]}
+            assert {f["group_name"] for f in listed} == set(group["names"])
             assert group["example"] in listed
             assert group["avoidable"] == sum(f["accountability"] == "avoidable" for f in listed)
             assert group["last_seen"] == listed[0]["found_at"]
@@ -107,3 +108,63 @@ def test_without_failures_the_lists_are_empty(offline: Offline) -> None:
         assert offline.client.get(path).json() == {"items": [], "next_page_token": ""}
     is_problem(offline.client.get(f"{FAILURES}/1"), 404)
     is_problem(offline.client.get(f"{FAILURES}/0"), 422)
+    for what in ("", "/changes"):
+        is_problem(offline.client.get(f"{FAILURES}/groups/{'0' * 24}{what}"), 404)
+
+
+def test_people_decide_about_groups(http: httpx.Client, crashed: Json) -> None:
+    """On a run of its own: the service is that of all tests."""
+    (failure, *_) = http.get(FAILURES, params={"oracle": "collision", "limit": 1}).json()["items"]
+    address = f"{FAILURES}/groups/{failure['group_id']}"
+    before = http.get(address).json()
+    assert failure["group_name"] in before["names"]
+    note = {"note": f"seen after {before['revision']}", "by": "Ada"}
+    answer = http.post(f"{address}:decide", json={**note, "revision": before["revision"]})
+    assert answer.status_code == 200, answer.text
+    after = answer.json()
+    assert (after["note"], after["changed_by"]) == (note["note"], "Ada")
+    assert http.get(address).json() == after
+    problem = http.post(f"{address}:decide", json={**note, "revision": before["revision"]})
+    is_problem(problem, 409)
+    assert "Ada changed the group meanwhile" in problem.json()["detail"]
+    change = http.get(after["changes_url"]).json()[0]
+    assert (change["what"], change["after"], change["by"]) == ("note", note["note"], "Ada")
+    # A part of it is split off and merged again.
+    part = http.post(f"{address}:split", json={"failures": [failure["id"]], "label": "this one"})
+    if after["failures"] == 1:
+        is_problem(part, 409)
+        return
+    assert (part.json()["failures"], part.json()["label"]) == (1, "this one")
+    ids = {"into": after["id"], "groups": [part.json()["id"]], "by": "Bo"}
+    merged = http.post(f"{FAILURES}/groups:merge", json=ids).json()
+    assert (merged["id"], merged["failures"]) == (after["id"], after["failures"])
+    assert http.get(f"{FAILURES}/groups/{part.json()['id']}").json()["id"] == after["id"]
+
+
+def test_groups_are_compared_with_a_baseline(http: httpx.Client, crashed: Json) -> None:
+    listed: dict[str, str | int] = {"town": "tee-town", "limit": 500}
+    whole = http.get(f"{FAILURES}/groups", params=listed).json()["items"]
+    assert {g["since_baseline"] for g in whole} == {None}
+    for baseline, since in (("2020-01-01T00:00:00Z", "new"), ("2100-01-01T00:00:00Z", "gone")):
+        found = http.get(f"{FAILURES}/groups", params={**listed, "baseline": baseline}).json()
+        assert {g["since_baseline"] for g in found["items"]} == {since}
+        assert {g["id"] for g in found["items"]} == {g["id"] for g in whole}
+    problem = http.get(f"{FAILURES}/groups", params={"baseline": "last week"})
+    is_problem(problem, 422)
+    assert "2026-11-20T08:00:00Z" in problem.text
+
+
+@pytest.mark.parametrize(
+    ("action", "body"),
+    [
+        ("/x:decide", {"status": "old"}),
+        ("/x:decide", {"label": "x" * 201}),
+        ("/x:decide", {"unknown": 1}),
+        (":merge", {"into": "x", "groups": []}),
+        ("/x:split", {"failures": ["x"]}),
+    ],
+)
+def test_decisions_that_cannot_be_read_are_refused(
+    offline: Offline, action: str, body: Json
+) -> None:
+    is_problem(offline.client.post(f"{FAILURES}/groups{action}", json=body), 422)

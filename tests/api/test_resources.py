@@ -32,6 +32,7 @@ def resources() -> tuple[Resources, MethodTable]:
 def an_example(path: str) -> str:
     for parameter, value in (
         ("{number}", "3"),
+        ("{number:int}", "3"),
         ("{table}", "campaigns"),
         *((f"{{{name}:id}}", "a-1") for name in NAMES),
     ):
@@ -42,6 +43,7 @@ def an_example(path: str) -> str:
 NAMES = (
     "batch_id",
     "campaign_id",
+    "group_id",
     "job_id",
     "minimization_id",
     "name",

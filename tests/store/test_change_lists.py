@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sqlalchemy import event
+from sqlalchemy import event, select
 
 from drivora_service.runs.report import RunStatus
 from drivora_service.search.tester import EvaluationStatus
@@ -28,6 +28,10 @@ from drivora_service.store.campaign_records import (
 )
 from drivora_service.store.change_lists import ChangedKind, ChangeList
 from drivora_service.store.database import Database, Transaction, open_database
+from drivora_service.store.group_lists import decision_of
+from drivora_service.store.group_membership import names_in
+from drivora_service.store.group_records import NewDecision, group_id
+from drivora_service.store.group_tables import FailureGroupRow
 from drivora_service.store.minimization_records import MinimizationProgress
 from drivora_service.store.pruning import prune
 from drivora_service.store.records import Priority
@@ -75,6 +79,9 @@ def shown(transaction: Transaction) -> Shown:
     for one in transaction.minimizations.page(limit=1000).items:
         smaller = transaction.minimizations.get(one.id)
         found[ChangedKind.MINIMIZATION, one.id] = (smaller.revision, without(smaller))
+    for row in transaction.session.scalars(select(FailureGroupRow)):
+        told = (without(decision_of(row)), names_in(transaction.session, row.seq))
+        found[ChangedKind.GROUP, row.id] = (row.revision, told)
     return found
 
 
@@ -248,7 +255,7 @@ def test_every_operation_on_campaigns_and_studies_is_counted(
         write(database, lambda t: t.campaigns.ask_for(campaign, CampaignRequest.CANCEL))
     with witness.watched():
         write(database, lambda t: t.studies.ask_for(study, CampaignRequest.CANCEL))
-    assert witness.seen == set(ChangedKind) - {ChangedKind.MINIMIZATION}
+    assert witness.seen == set(ChangedKind) - {ChangedKind.MINIMIZATION, ChangedKind.GROUP}
 
 
 def test_every_operation_on_minimisations_is_counted(database: Database, witness: Witness) -> None:
@@ -269,6 +276,23 @@ def test_every_operation_on_minimisations_is_counted(database: Database, witness
     with witness.watched(changes=False):
         write(database, lambda t: t.minimizations.cancel(one))
     assert ChangedKind.MINIMIZATION in witness.seen
+
+
+def test_every_decision_about_groups_is_counted(database: Database, witness: Witness) -> None:
+    owner = register(database)
+    runs = submit(database, 3)
+    claim(database, owner, 3)
+    finish(database, owner, *(finished(r, o) for r, o in zip(runs, ("a", "a", "b"), strict=True)))
+    one, other = group_id("a"), group_id("b")
+    with witness.watched():
+        write(database, lambda t: t.decisions.decide(one, NewDecision(note="n")))
+    with witness.watched(changes=False):
+        write(database, lambda t: t.decisions.decide(one, NewDecision(note="n")))
+    with witness.watched():
+        write(database, lambda t: t.decisions.merge(one, [other]))
+    with witness.watched():
+        write(database, lambda t: t.decisions.split(one, names=["b"]))
+    assert ChangedKind.GROUP in witness.seen
 
 
 def test_traces_that_retention_removes_are_counted(

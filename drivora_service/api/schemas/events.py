@@ -17,6 +17,7 @@ class EventKind(StrEnum):
     CAMPAIGN = ChangedKind.CAMPAIGN.value
     STUDY = ChangedKind.STUDY.value
     MINIMIZATION = ChangedKind.MINIMIZATION.value
+    GROUP = ChangedKind.GROUP.value
     WORKERS = "workers"
 
 

@@ -24,18 +24,6 @@ class FoundFailure(found_records.FoundFailure):
     picture_url: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FailureGroup(found_records.FailureGroup):
-    """Failures of one group that pass a filter.
-
-    Attributes:
-        failures_url: Address of its failures.
-    """
-
-    example: FoundFailure
-    failures_url: str
-
-
 def found_failure_of(failure: found_records.FoundFailure, base: str) -> FoundFailure:
     """Returns a failure with its addresses; ``base`` is the address of the API."""
     run = f"{base}/runs/{failure.run_id}"
@@ -47,16 +35,4 @@ def found_failure_of(failure: found_records.FoundFailure, base: str) -> FoundFai
         run_url=run,
         scenario_url=f"{own}/scenario",
         picture_url=f"{own}/picture" if failure.is_recorded else "",
-    )
-
-
-def failure_group_of(
-    group: found_records.FailureGroup, base: str, failures_url: str
-) -> FailureGroup:
-    """Returns a group with its addresses; ``base`` is the address of the API."""
-    return combine(
-        FailureGroup,
-        group,
-        example=found_failure_of(group.example, base),
-        failures_url=failures_url,
     )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.connection import connected
-from drivora_service.cli.options import DataDirOption, ServerOption, location
+from drivora_service.cli.options import DataDirOption, ServerOption, location, one_of
 from drivora_service.cli.out_option import check_file
 from drivora_service.cli.output import JsonOption, named, print_shape, write_text
 
@@ -102,8 +102,4 @@ def scenario(
 def _statuses(names: Sequence[str]) -> frozenset[RunStatus]:
     from drivora_service.runs.report import RunStatus
 
-    try:
-        return frozenset(RunStatus(name) for name in names)
-    except ValueError as error:
-        allowed = ", ".join(RunStatus)
-        raise typer.BadParameter(f"{error}; known: {allowed}", param_hint="--status") from error
+    return frozenset(one_of(RunStatus, name, "--status") for name in names)

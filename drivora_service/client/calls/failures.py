@@ -5,11 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from drivora_service.api_paths import PREFIX
-from drivora_service.client.call import Call, Listing, Query, get, listing
+from drivora_service.client.call import Call, Listing, Query, act, get, listing
 
 if TYPE_CHECKING:
-    from drivora_service.api.schemas.failures import FailureGroup, FoundFailure
+    from collections.abc import Sequence
+
+    from drivora_service.api.schemas.failure_groups import FailureGroup
+    from drivora_service.api.schemas.failures import FoundFailure
     from drivora_service.store.found_records import FoundFilter
+    from drivora_service.store.group_records import GroupChange, GroupStatus, SinceBaseline
+
+_GROUPS = f"{PREFIX}/failures/groups"
+_GROUP = f"{_GROUPS}/{{group_id}}"
 
 
 def found_failures(
@@ -29,12 +36,118 @@ def found_failure(failure_id: int) -> Call[FoundFailure]:
 
 
 def failure_groups(
-    wanted: FoundFilter | None = None, *, limit: int | None = None
+    wanted: FoundFilter | None = None,
+    *,
+    statuses: Sequence[GroupStatus] = (),
+    assignee: str = "",
+    baseline: str = "",
+    since_baseline: SinceBaseline | None = None,
+    limit: int | None = None,
 ) -> Listing[FailureGroup]:
-    """Returns the groups of failures that pass a filter, the last seen first; at most ``limit``."""
-    from drivora_service.api.schemas.failures import FailureGroup
+    """Returns groups of failures, the last seen first.
 
-    return listing(f"{PREFIX}/failures/groups", FailureGroup, limit, query=_query(wanted))
+    Args:
+        wanted: Which failures count.
+        statuses: Groups of these statuses; empty: of all.
+        assignee: Groups that this person takes care of; "": all.
+        baseline: What they are compared with: a batch, campaign or study by its id, or a time with
+            its zone, before which failures were found; "": nothing.
+        since_baseline: Groups that stand so to the baseline; ``None``: all.
+        limit: How many at most; ``None``: all.
+    """
+    from drivora_service.api.schemas.failure_groups import FailureGroup
+
+    query = {
+        **_query(wanted),
+        "status": tuple(statuses),
+        "assignee": assignee,
+        "baseline": baseline,
+        "since_baseline": since_baseline,
+    }
+    return listing(_GROUPS, FailureGroup, limit, query=query)
+
+
+def failure_group(group_id: str) -> Call[FailureGroup]:
+    """Returns a group with all its failures."""
+    from drivora_service.api.schemas.failure_groups import FailureGroup
+
+    return get(_GROUP, FailureGroup, group_id=group_id)
+
+
+def failure_group_changes(group_id: str) -> Call[tuple[GroupChange, ...]]:
+    """Returns what was decided about a group, the last first."""
+    from drivora_service.store.group_records import GroupChange
+
+    return get(f"{_GROUP}/changes", tuple[GroupChange, ...], group_id=group_id)
+
+
+def decide_group(
+    group_id: str,
+    *,
+    status: GroupStatus | None = None,
+    label: str | None = None,
+    assignee: str | None = None,
+    note: str | None = None,
+    by: str = "",
+    revision: int | None = None,
+) -> Call[FailureGroup]:
+    """Sets the status, label, assignee or note of a group; ``None`` leaves a part as it is.
+
+    Args:
+        group_id: Id of the group.
+        status: What is decided about it.
+        label: Its name; "": it is told by its names.
+        assignee: Who takes care of it; "": nobody.
+        note: A note.
+        by: Who decides.
+        revision: That of the group as it was seen; ``None``: whatever it is.
+
+    Raises:
+        RequestConflict: Somebody has changed the group since it was seen.
+    """
+    from drivora_service.api.schemas.failure_groups import FailureGroup
+
+    given = {
+        "status": status,
+        "label": label,
+        "assignee": assignee,
+        "note": note,
+        "by": by,
+        "revision": revision,
+    }
+    body = {name: value for name, value in given.items() if value is not None}
+    return act(f"{_GROUP}:decide", FailureGroup, given=body, group_id=group_id)
+
+
+def merge_groups(into: str, groups: Sequence[str], *, by: str = "") -> Call[FailureGroup]:
+    """Puts the failures of groups into another one, also those found later."""
+    from drivora_service.api.schemas.failure_groups import FailureGroup
+
+    body = {"into": into, "groups": list(groups), "by": by}
+    return act(f"{_GROUPS}:merge", FailureGroup, given=body)
+
+
+def split_group(
+    group_id: str,
+    *,
+    failures: Sequence[int] = (),
+    names: Sequence[str] = (),
+    label: str = "",
+    by: str = "",
+) -> Call[FailureGroup]:
+    """Makes a group of a part of another one, and returns the new group.
+
+    Args:
+        group_id: Id of the group.
+        failures: Ids of failures in it; those found later are not among them.
+        names: Names of the group whose failures are split off, also those found later.
+        label: Name of the new group.
+        by: Who decides.
+    """
+    from drivora_service.api.schemas.failure_groups import FailureGroup
+
+    body = {"failures": list(failures), "names": list(names), "label": label, "by": by}
+    return act(f"{_GROUP}:split", FailureGroup, given=body, group_id=group_id)
 
 
 def _query(wanted: FoundFilter | None) -> Query:
@@ -49,6 +162,7 @@ def _query(wanted: FoundFilter | None) -> Query:
         "agent": wanted.agent,
         "town": wanted.town,
         "campaign": wanted.campaign_id,
+        "study": wanted.study_id,
         "batch": wanted.batch_id,
         "confirmation": wanted.confirmation,
         "since": None if wanted.since is None else wanted.since.isoformat(),

@@ -570,6 +570,106 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/failures/groups/{group_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Group
+         * @description Returns a group with all its failures.
+         */
+        get: operations["get_group_api_v1_failures_groups__group_id__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/failures/groups/{group_id}/changes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Changes
+         * @description Lists what was decided about a group, the last first.
+         */
+        get: operations["list_changes_api_v1_failures_groups__group_id__changes_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/failures/groups/{group_id}:decide": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Decide
+         * @description Sets the status, label, assignee or note of a group.
+         */
+        post: operations["decide_api_v1_failures_groups__group_id__decide_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/failures/groups/{group_id}:split": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Split
+         * @description Makes a group of a part of another one, and returns the new group.
+         */
+        post: operations["split_api_v1_failures_groups__group_id__split_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/failures/groups:merge": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Merge
+         * @description Puts the failures of groups into another one, also those found later.
+         */
+        post: operations["merge_api_v1_failures_groups_merge_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/failures/{number}": {
         parameters: {
             query?: never;
@@ -2541,7 +2641,7 @@ export interface components {
             revision: number;
             /**
              * Status
-             * @description Status of a run, state of another; empty for a study of which only the store knows.
+             * @description Status of a run or a group of failures, state of another; empty for a study of which only the store knows.
              */
             status: string;
             /**
@@ -2556,7 +2656,13 @@ export interface components {
          * @description The kinds of objects whose changes are counted.
          * @enum {string}
          */
-        ChangedKind: "run" | "batch" | "campaign" | "study" | "minimization";
+        ChangedKind: "run" | "batch" | "campaign" | "study" | "minimization" | "group";
+        /**
+         * ChangedPart
+         * @description What a change of a group has changed.
+         * @enum {string}
+         */
+        ChangedPart: "status" | "label" | "assignee" | "note" | "merged" | "split";
         /**
          * Changes
          * @description Objects that have changed, each once, as they are now; at most 500.
@@ -2738,6 +2844,40 @@ export interface components {
              * @description What is known of it.
              */
             cause: string;
+        };
+        /**
+         * DecisionRequest
+         * @description What somebody decides about a group; what is left out stays.
+         */
+        DecisionRequest: {
+            /**
+             * Assignee
+             * @description Who takes care of it; empty: nobody.
+             */
+            assignee?: string | null;
+            /**
+             * By
+             * @description Who decides; the name of the token, if there is one, is noted as well.
+             * @default
+             */
+            by: string;
+            /**
+             * Label
+             * @description Its name; empty: told by its `names`.
+             */
+            label?: string | null;
+            /**
+             * Note
+             * @description A note.
+             */
+            note?: string | null;
+            /**
+             * Revision
+             * @description That of the group as it was seen: refused with 409 if somebody has changed it since. Without it, whatever it is.
+             */
+            revision?: number | null;
+            /** @description Its status. */
+            status?: components["schemas"]["GroupStatus"] | null;
         };
         /**
          * Difference
@@ -3206,7 +3346,7 @@ export interface components {
          * @description What a stream may tell of: changes of objects by their kind, and the workers.
          * @enum {string}
          */
-        EventKind: "run" | "batch" | "campaign" | "study" | "minimization" | "workers";
+        EventKind: "run" | "batch" | "campaign" | "study" | "minimization" | "group" | "workers";
         /**
          * Failure
          * @description A violation that a campaign found.
@@ -3357,20 +3497,47 @@ export interface components {
         };
         /**
          * FailureGroup
-         * @description Failures of one group that pass a filter.
+         * @description Failures of one group that pass a filter, with what was decided about the group.
          */
         FailureGroup: {
+            /**
+             * Assignee
+             * @description Who takes care of it; empty: nobody.
+             * @default
+             */
+            assignee: string;
             /**
              * Avoidable
              * @description Those that are the fault of an ego and avoidable.
              */
             avoidable: number;
             /**
+             * Baseline Failures
+             * @description Number of failures in the baseline; null without one.
+             */
+            baseline_failures?: number | null;
+            /**
              * Campaigns
              * @description Number of campaigns that found some.
              */
             campaigns: number;
-            /** @description One with a recording, if it has one, and of those the last that is the fault of an ego and avoidable, else the last. */
+            /**
+             * Changed At
+             * @description When anything was decided about it; null if nothing was.
+             */
+            changed_at?: string | null;
+            /**
+             * Changed By
+             * @description Who did so; empty if that is not known.
+             * @default
+             */
+            changed_by: string;
+            /**
+             * Changes Url
+             * @description Address of what was decided about it.
+             */
+            changes_url: string;
+            /** @description One with a recording, if it has one, and of those the last that is the fault of an ego and avoidable, else the last. Of a group that is gone, one of the baseline. */
             example: components["schemas"]["FoundFailure"];
             /**
              * Failures
@@ -3389,28 +3556,62 @@ export interface components {
              */
             first_seen: string;
             /**
-             * Group
-             * @description Oracle, relation of the other actor to the ego, and manoeuvre.
+             * Id
+             * @description Of the group.
              */
-            group: string;
+            id: string;
+            /**
+             * Is Back
+             * @description Whether it was found again after it was declared fixed.
+             */
+            is_back: boolean;
+            /**
+             * Label
+             * @description Its name; empty: it is told by its `names`.
+             * @default
+             */
+            label: string;
             /**
              * Last Seen
              * Format: date-time
              * @description When the last was found.
              */
             last_seen: string;
-            /** Oracle */
-            oracle: string;
+            /**
+             * Names
+             * @description What its failures have in common: oracle, relation of the other actor to the ego, and manoeuvre. Several if groups were merged.
+             */
+            names: string[];
+            /**
+             * Note
+             * @default
+             */
+            note: string;
             /**
              * Others
              * @description The others.
              */
             others: number;
             /**
+             * Revision
+             * @description Count of all changes at its newest one; 0 if nothing was decided.
+             * @default 0
+             */
+            revision: number;
+            /**
              * Sentence
              * @description The facts of the example.
              */
             sentence: string;
+            /** @description How it stands to the baseline; null without one. */
+            since_baseline?: components["schemas"]["SinceBaseline"] | null;
+            /** @default new */
+            status: components["schemas"]["GroupStatus"];
+            /**
+             * Status At
+             * @description When the status was set; null if nobody has.
+             */
+            status_at?: string | null;
             /**
              * Towns
              * @description Number of road networks.
@@ -3581,10 +3782,15 @@ export interface components {
              */
             found_at: string;
             /**
-             * Group
+             * Group Id
+             * @description Id of its group: that of its name, unless somebody has decided otherwise.
+             */
+            group_id: string;
+            /**
+             * Group Name
              * @description Oracle, relation of the other actor to the ego, and manoeuvre: the same on all road networks and in all campaigns.
              */
-            group: string;
+            group_name: string;
             /**
              * Id
              * @description Grows with the time at which it was found.
@@ -3733,6 +3939,39 @@ export interface components {
          * @enum {string}
          */
         GeneKind: "continuous" | "integer" | "category";
+        /**
+         * GroupChange
+         * @description One thing that somebody has decided about a group.
+         */
+        GroupChange: {
+            /**
+             * After
+             * @description As it is since; of a merged group, its label or names.
+             */
+            after: string;
+            /**
+             * At
+             * Format: date-time
+             */
+            at: string;
+            /**
+             * Before
+             * @description As it was; empty for what was not there.
+             */
+            before: string;
+            /**
+             * By
+             * @description Who; empty if that is not known.
+             */
+            by: string;
+            what: components["schemas"]["ChangedPart"];
+        };
+        /**
+         * GroupStatus
+         * @description What people have decided about a group of failures.
+         * @enum {string}
+         */
+        GroupStatus: "new" | "known" | "fixed" | "will_not_fix";
         /**
          * Health
          * @description Whether the process is alive.
@@ -4179,6 +4418,28 @@ export interface components {
         MeasureList: {
             /** Items */
             items: components["schemas"]["MeasureDescription"][];
+        };
+        /**
+         * MergeRequest
+         * @description Which groups are one.
+         */
+        MergeRequest: {
+            /**
+             * By
+             * @description Who decides; the name of the token, if there is one, is noted as well.
+             * @default
+             */
+            by: string;
+            /**
+             * Groups
+             * @description Ids of the groups whose failures come to it, also those found later.
+             */
+            groups: string[];
+            /**
+             * Into
+             * @description Id of the group that stays.
+             */
+            into: string;
         };
         /**
          * MetLight
@@ -6241,6 +6502,12 @@ export interface components {
             position: number[];
         };
         /**
+         * SinceBaseline
+         * @description How a group stands to a baseline.
+         * @enum {string}
+         */
+        SinceBaseline: "new" | "same" | "gone";
+        /**
          * SlotActivity
          * @description What a slot does.
          * @enum {string}
@@ -6398,6 +6665,36 @@ export interface components {
          * @enum {string}
          */
         SpacePreset: "default" | "avfuzzer" | "behavexplor" | "doppeltest";
+        /**
+         * SplitRequest
+         * @description Which part of a group is a group of its own.
+         */
+        SplitRequest: {
+            /**
+             * By
+             * @description Who decides; the name of the token, if there is one, is noted as well.
+             * @default
+             */
+            by: string;
+            /**
+             * Failures
+             * @description Ids of failures; no later ones follow them.
+             * @default []
+             */
+            failures: number[];
+            /**
+             * Label
+             * @description Name of the new group.
+             * @default
+             */
+            label: string;
+            /**
+             * Names
+             * @description Names of the group, whose failures are split off, also those found later.
+             * @default []
+             */
+            names: string[];
+        };
         /**
          * StepSpan
          * @description Steps from ``first`` to ``last``.
@@ -9792,7 +10089,7 @@ export interface operations {
                 page_token?: string;
                 /** @description Of this oracle. */
                 oracle?: string;
-                /** @description Of this group. */
+                /** @description Of the group of this id. */
                 group?: string;
                 /** @description By the fault of an ego, or not. */
                 at_fault?: boolean | null;
@@ -9804,6 +10101,8 @@ export interface operations {
                 town?: string;
                 /** @description Found by this campaign. */
                 campaign?: string;
+                /** @description Found by a campaign of this study. */
+                study?: string;
                 /** @description Of runs of this batch, outside campaigns. */
                 batch?: string;
                 /** @description Whether it happened again, in a campaign. */
@@ -9869,13 +10168,21 @@ export interface operations {
     list_groups_api_v1_failures_groups_get: {
         parameters: {
             query?: {
+                /** @description With any of these. */
+                status?: components["schemas"]["GroupStatus"][] | null;
+                /** @description Of which this person takes care. */
+                assignee?: string;
+                /** @description Compares with this baseline: the failures of a batch, a campaign or a study by its id, or those found before a time (RFC 3339). A failure of the baseline is not counted a second time. */
+                baseline?: string;
+                /** @description That stand so to the baseline. */
+                since_baseline?: components["schemas"]["SinceBaseline"] | null;
                 /** @description Items of a page. */
                 limit?: number;
                 /** @description `next_page_token` of the page before, of the same query. */
                 page_token?: string;
                 /** @description Of this oracle. */
                 oracle?: string;
-                /** @description Of this group. */
+                /** @description Of the group of this id. */
                 group?: string;
                 /** @description By the fault of an ego, or not. */
                 at_fault?: boolean | null;
@@ -9887,6 +10194,8 @@ export interface operations {
                 town?: string;
                 /** @description Found by this campaign. */
                 campaign?: string;
+                /** @description Found by a campaign of this study. */
+                study?: string;
                 /** @description Of runs of this batch, outside campaigns. */
                 batch?: string;
                 /** @description Whether it happened again, in a campaign. */
@@ -9922,6 +10231,405 @@ export interface operations {
             };
             /** @description Forbidden */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_group_api_v1_failures_groups__group_id__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                group_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FailureGroup"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    list_changes_api_v1_failures_groups__group_id__changes_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                group_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GroupChange"][];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    decide_api_v1_failures_groups__group_id__decide_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                group_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DecisionRequest"];
+            };
+        };
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FailureGroup"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    split_api_v1_failures_groups__group_id__split_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                group_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SplitRequest"];
+            };
+        };
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FailureGroup"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    merge_api_v1_failures_groups_merge_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MergeRequest"];
+            };
+        };
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FailureGroup"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -12336,7 +13044,7 @@ export interface operations {
                     "application/vnd.apache.parquet": string;
                     /**
                      * @example study_id,campaign_id,scenario,agent,method,repetition,seed,state,budget,evaluations,judged,invalid,failed,failing,at_fault,avoidable,active_s
-                     *     0193a5b0c4d2000000000010,0193a5b0c4d2000000000011,late braking,idm,random,1,4,finished,8,8,8,0,0,0,0,0,20.0
+                     *     0193a5b0c4d2000000000013,0193a5b0c4d2000000000014,late braking,idm,random,1,4,finished,8,8,8,0,0,0,0,0,20.0
                      */
                     "text/csv": string;
                 };

@@ -165,6 +165,8 @@ export function useLiveList<Row>(options: Options<Row>) {
 /** Returns the object of a kind that a change touches: a run's change also touches its batch. */
 function changedOf(change: Change, kind: Owned): string | undefined {
   if (change.kind === kind) return change.id;
+  // What a run found may be in any group of failures.
+  if (kind === "group") return change.kind === "run" ? change.id : undefined;
   // Nothing belongs to a run or a minimisation.
   return kind === "run" || kind === "minimization" ? undefined : change[`${kind}_id`];
 }

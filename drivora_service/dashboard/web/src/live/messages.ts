@@ -1,6 +1,13 @@
 /** What the service tells, and what the tabs of the page tell the one connection. */
 
-export type ChangeKind = "run" | "batch" | "campaign" | "study" | "minimization" | "workers";
+export type ChangeKind =
+  | "run"
+  | "batch"
+  | "campaign"
+  | "study"
+  | "minimization"
+  | "group"
+  | "workers";
 
 export interface Change {
   readonly kind: ChangeKind;

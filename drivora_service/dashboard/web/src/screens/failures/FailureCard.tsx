@@ -7,6 +7,7 @@ import { Picture } from "../../components/Picture";
 import { OracleHelp } from "../../help/OracleHelp";
 import { replayUpTo } from "../replay/address";
 import { replayCommand } from "../replay/againCommand";
+import { MinimisedForm } from "./MinimisedForm";
 import { ACCOUNTABILITY } from "./words";
 
 /** Why a failure has no picture. */
@@ -90,6 +91,7 @@ export function FailureCard({ failure }: { readonly failure: Schemas["FoundFailu
           )}
           {command && <Copy text={command} label="Copy the command that runs it again" />}
         </p>
+        {failure.run_id && <MinimisedForm failure={failure} />}
       </div>
     </section>
   );

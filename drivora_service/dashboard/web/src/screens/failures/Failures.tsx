@@ -1,7 +1,8 @@
+import { useQuery } from "@tanstack/react-query";
 import { Link, useNavigate, useSearch } from "@tanstack/react-router";
 import { useState } from "react";
 import { firstOf, type Search } from "../../address";
-import { api, body, type Schemas } from "../../api/client";
+import { api, body } from "../../api/client";
 import { Filters } from "../../components/Filters";
 import { askedBy } from "../../components/filterValues";
 import { count } from "../../components/numbers";
@@ -9,48 +10,66 @@ import { Empty, Loading, Refused } from "../../components/States";
 import { News } from "../../lists/News";
 import { useLiveList } from "../../lists/useLiveList";
 import { useTitle } from "../../shell/useTitle";
-import { failureFilters } from "./filters";
+import { BaselineMenu } from "./BaselineMenu";
+import { BASELINE, failureFilters, GROUP_FILTERS, SINCE_FILTER } from "./filters";
 import { GroupCards } from "./GroupCards";
-import { GroupFailures } from "./GroupFailures";
+import { GroupScreen } from "./GroupScreen";
+import { type Group, SINCES, type Since } from "./triage";
 import { useFailureNames } from "./useFailureNames";
-import { groupText } from "./words";
 
-type Group = Schemas["FailureGroup"];
+type Asked = Readonly<Record<string, string | readonly string[]>>;
 
 const PAGE = 60;
-const idOf = ({ group }: Group) => group;
+const MOST_COUNTED = 500;
+const idOf = ({ id }: Group) => id;
 
-/** Failures of all campaigns and batches: their groups, or the failures of one. */
+/** Failures of all campaigns and batches: their groups, or one of these. */
 export function Failures() {
   useTitle("Failures");
   const search = useSearch({ from: "/failures" });
+  const navigate = useNavigate();
   const names = useFailureNames();
-  const filters = failureFilters(names.oracles, names.agents, names.towns);
+  const ofFailures = failureFilters(names.oracles, names.agents, names.towns);
   const group = firstOf(search, "group");
+  const baseline = firstOf(search, "baseline");
+  const ofGroups = [...GROUP_FILTERS, BASELINE, ...(baseline ? [SINCE_FILTER] : [])];
+  const asked = askedBy(search, [...ofGroups, ...ofFailures]);
+  if (group)
+    return (
+      <GroupScreen
+        id={group}
+        filters={askedBy(search, ofFailures)}
+        groupFilters={asked}
+        search={search}
+      >
+        <Filters filters={ofFailures} search={search} />
+      </GroupScreen>
+    );
   return (
     <>
       <div className="head">
         <h1>Failures</h1>
-        {group && (
-          <p className="answer">
-            <Link to="/failures" search={{ ...search, group: undefined, id: undefined }}>
-              All groups
-            </Link>{" "}
-            › {groupText(group)}
-          </p>
-        )}
         <div className="actions">
+          <BaselineMenu
+            baseline={baseline}
+            onChoose={(value) =>
+              void navigate({
+                to: ".",
+                search: { ...search, baseline: value || undefined, since_baseline: undefined },
+                replace: true,
+              })
+            }
+          />
           <Link to="/minimizations" search={{}} className="button">
             Minimisations
           </Link>
         </div>
       </div>
-      <Filters filters={filters} search={search} />
-      {group ? (
-        <GroupFailures filters={{ ...askedBy(search, filters), group }} search={search} />
-      ) : (
-        <Groups filters={askedBy(search, filters)} search={search} />
-      )}
+      <Filters
+        filters={[...ofGroups.filter((one) => one !== BASELINE), ...ofFailures]}
+        search={search}
+      />
+      <Groups filters={asked} search={search} hasBaseline={baseline !== ""} />
     </>
   );
 }
@@ -58,15 +77,17 @@ export function Failures() {
 function Groups({
   filters,
   search,
+  hasBaseline,
 }: {
-  readonly filters: Readonly<Record<string, string | readonly string[]>>;
+  readonly filters: Asked;
   readonly search: Search;
+  readonly hasBaseline: boolean;
 }) {
   const navigate = useNavigate();
   const [held, setHeld] = useState(false);
   const { query, rows, news, insertNews, more } = useLiveList<Group>({
     key: ["failure groups", filters],
-    kind: "run",
+    kind: "group",
     ask: async (page_token) =>
       body(
         await api.GET("/api/v1/failures/groups", {
@@ -91,23 +112,20 @@ function Groups({
         </p>
       </Empty>
     );
-  const sum = (of: (group: Group) => number) => rows.reduce((total, one) => total + of(one), 0);
+  const all = !query.hasNextPage;
   return (
     <>
-      <p className="answer">
-        {count(rows.length)}
-        {query.hasNextPage ? " or more" : ""} groups, the last seen first:{" "}
-        <Link to="." search={{ ...search, accountability: "avoidable" }}>
-          {count(sum(({ avoidable }) => avoidable))} failures that count
-        </Link>{" "}
-        and {count(sum(({ others }) => others))} others.
-      </p>
+      {hasBaseline ? (
+        <SinceAnswer filters={filters} search={search} />
+      ) : (
+        <CountAnswer groups={rows} all={all} search={search} />
+      )}
       <div className="with-news">
         <News news={news} onInsert={insertNews} />
         <GroupCards
           groups={rows}
           search={search}
-          onOpen={(group) => void navigate({ to: ".", search: { ...search, group } })}
+          onOpen={(id) => void navigate({ to: ".", search: { ...search, group: id } })}
           onHold={setHeld}
         />
       </div>
@@ -117,5 +135,65 @@ function Groups({
         </button>
       )}
     </>
+  );
+}
+
+interface AnswerProps {
+  readonly groups: readonly Group[];
+  /** Whether there are no more than these. */
+  readonly all: boolean;
+  readonly search: Search;
+}
+
+function CountAnswer({ groups, all, search }: AnswerProps) {
+  const sum = (of: (group: Group) => number) => groups.reduce((total, one) => total + of(one), 0);
+  return (
+    <p className="answer">
+      {count(groups.length)}
+      {all ? "" : " or more"} groups, the last seen first:{" "}
+      <Link to="." search={{ ...search, accountability: "avoidable" }}>
+        {count(sum(({ avoidable }) => avoidable))} failures that count
+      </Link>{" "}
+      and {count(sum(({ others }) => others))} others.
+    </p>
+  );
+}
+
+const SINCE_WORDS: Readonly<Record<Since, string>> = {
+  new: "new",
+  same: "the same",
+  gone: "gone",
+};
+
+/** How many groups are new, the same and gone, each a link to these, whichever are shown. */
+function SinceAnswer({ filters, search }: { readonly filters: Asked; readonly search: Search }) {
+  const { since_baseline: _, ...query } = filters;
+  const { data } = useQuery({
+    queryKey: ["group", "list", query],
+    queryFn: async () =>
+      body(
+        await api.GET("/api/v1/failures/groups", {
+          params: { query: { limit: MOST_COUNTED, ...query } },
+        }),
+      ),
+  });
+  if (!data) return null;
+  const groups = data.items;
+  const of = (since: Since) => groups.filter((one) => one.since_baseline === since);
+  const counting = of("new").filter(({ avoidable }) => avoidable > 0).length;
+  return (
+    <p className="answer">
+      Since the baseline{data.next_page_token ? `, of ${count(groups.length)} groups` : ""}:{" "}
+      {SINCES.map((since, place) => (
+        <span key={since}>
+          {place > 0 && ", "}
+          <Link to="." search={{ ...search, since_baseline: since }}>
+            {count(of(since).length)} {SINCE_WORDS[since]}
+          </Link>
+          {since === "new" && ` (${count(counting)} with failures that count)`}
+        </span>
+      ))}
+      .
+    </p>
   );
 }

@@ -8,7 +8,10 @@ import { fixed, moment } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
 import { News } from "../../lists/News";
 import { useLiveList } from "../../lists/useLiveList";
+import { useScope } from "../../shell/session";
 import { FailureCard } from "./FailureCard";
+import type { Group } from "./triage";
+import { useDecisions } from "./useDecisions";
 import { ACCOUNTABILITY } from "./words";
 
 type Failure = Schemas["FoundFailure"];
@@ -20,13 +23,13 @@ const COLUMNS: readonly Column<Failure>[] = [
   {
     id: "sentence",
     title: "What happened",
-    width: "minmax(300px, 1fr)",
+    width: "minmax(220px, 1fr)",
     cell: ({ sentence }) => <span title={sentence}>{sentence}</span>,
   },
   {
     id: "accountability",
     title: "Accountability",
-    width: "154px",
+    width: "164px",
     cell: ({ accountability }) =>
       accountability ? (
         <Mark {...ACCOUNTABILITY[accountability]} />
@@ -46,21 +49,30 @@ const COLUMNS: readonly Column<Failure>[] = [
   {
     id: "found",
     title: "Found at",
-    width: "146px",
-    cell: ({ found_at }) => moment(found_at),
+    width: "130px",
+    cell: ({ found_at }) => <span title={moment(found_at)}>{moment(found_at).slice(0, 16)}</span>,
   },
 ];
 
-/** The failures of a group one after the other: `j` and `k` show each with its picture. */
+/**
+ * The failures of a group one after the other: `j` and `k` show each with its picture, `x` selects
+ * those to split off.
+ */
 export function GroupFailures({
+  group,
   filters,
   search,
 }: {
+  readonly group: Group;
   readonly filters: Readonly<Record<string, string | readonly string[]>>;
   readonly search: Search;
 }) {
   const navigate = useNavigate();
+  const { maySubmit } = useScope();
+  const { split } = useDecisions();
   const [held, setHeld] = useState(false);
+  const [selected, setSelected] = useState<ReadonlySet<string>>(new Set());
+  const [label, setLabel] = useState("");
   const { query, rows, left, news, insertNews, more } = useLiveList<Failure>({
     key: ["failures", filters],
     kind: "run",
@@ -90,12 +102,49 @@ export function GroupFailures({
     <div className="two wide-first">
       <div className="with-news">
         <News news={news} onInsert={insertNews} />
+        {split.isError && (
+          <p role="alert" className="refusal">
+            {split.error.message}
+          </p>
+        )}
+        {selected.size > 0 && (
+          <form
+            className="selected-groups"
+            onSubmit={(event) => {
+              event.preventDefault();
+              const failures = [...selected].map(Number);
+              split.mutate(
+                { id: group.id, failures, names: [], label },
+                { onSuccess: (made) => void navigate({ to: ".", search: { group: made.id } }) },
+              );
+            }}
+          >
+            <input
+              value={label}
+              maxLength={200}
+              aria-label="Label of the new group"
+              placeholder="label of the new group"
+              onChange={(event) => setLabel(event.target.value)}
+            />
+            <button type="submit" className="primary" disabled={split.isPending}>
+              Split off {selected.size} {selected.size === 1 ? "failure" : "failures"}
+            </button>
+            <button
+              type="button"
+              onClick={() => setSelected(new Set())}
+              aria-label="Select no failure"
+            >
+              ×
+            </button>
+          </form>
+        )}
         <DataTable
           label="Failures"
           columns={COLUMNS}
           rows={rows}
           idOf={idOf}
           left={left}
+          {...(maySubmit ? { selected, onSelect: setSelected } : {})}
           onHold={setHeld}
           onCurrent={choose}
           onOpen={choose}

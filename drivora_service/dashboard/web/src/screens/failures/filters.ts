@@ -1,5 +1,6 @@
 import type { Filter } from "../../components/filterValues";
 import { ACCOUNTABILITY_WORDS } from "../runs/filters";
+import { SINCE, SINCES, STATUS, STATUSES } from "./triage";
 
 /** The filters of failures, as the API has them. */
 export function failureFilters(
@@ -32,8 +33,32 @@ export function failureFilters(
       single: true,
       hint: "Whether an identical run of the campaign repeated it",
     },
+    { name: "study", title: "Study", single: true },
     { name: "campaign", title: "Campaign", single: true },
     { name: "batch", title: "Batch", single: true },
     { name: "since", title: "Found since", time: true, single: true },
   ];
 }
+
+/** The filters of groups, beside those of their failures. */
+export const GROUP_FILTERS: readonly Filter[] = [
+  {
+    name: "status",
+    title: "Status",
+    values: STATUSES,
+    words: Object.fromEntries(STATUSES.map((status) => [status, STATUS[status].text])),
+  },
+  { name: "assignee", title: "Assignee", single: true },
+];
+
+/** How groups stand to a baseline; only with one. */
+export const SINCE_FILTER: Filter = {
+  name: "since_baseline",
+  title: "Since the baseline",
+  values: SINCES,
+  words: Object.fromEntries(SINCES.map((since) => [since, SINCE[since].text])),
+  single: true,
+};
+
+/** The name of the baseline in the address and the API. */
+export const BASELINE: Filter = { name: "baseline", title: "Baseline", single: true };

@@ -1,0 +1,105 @@
+"""``drivora failures``: failures, their groups, and what is decided about them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.api.test_found_failures import crash
+from tests.cli.conftest import Drivora
+
+HIT = "collision|npc_obstacle, front|standing"
+
+
+@pytest.fixture
+def crashed(drivora: Drivora, tmp_path: Path) -> dict[str, Any]:
+    """A run that fails, and its collision."""
+    file = tmp_path / "crash.json"
+    file.write_text(json.dumps(crash()))
+    run = drivora("run", file, "--json", "--workers", "1").json()
+    (failure,) = drivora("failures", "list", "--oracle", "collision", "--json").json()
+    assert failure["run_id"] == run["id"]
+    found: dict[str, Any] = failure
+    return found
+
+
+def test_what_was_decided_is_shown_with_the_group(
+    drivora: Drivora, crashed: dict[str, Any]
+) -> None:
+    group = crashed["group_id"]
+    listed = drivora("failures", "list", "--group", group)
+    assert f" {crashed['id']} " in listed.out
+    assert "an obstacle" in listed.out
+    decided = drivora(
+        *("failures", "decide", group, "--status", "known", "--note", "Seen.", "--by", "Ada"),
+        "--json",
+    ).json()
+    assert (decided["status"], decided["note"], decided["changed_by"]) == ("known", "Seen.", "Ada")
+    drivora("failures", "decide", group, "--assignee", "Bo", "--label", "container")
+    shown = drivora("failures", "show", group)
+    for text in ("known", "container", "Bo", crashed["sentence"], "Seen."):
+        assert text in shown.out
+    assert "Ada: status new → known" in shown.out
+    assert ": label (none) → container" in shown.out
+    assert drivora("failures", "show", group, "--json").json()["names"] == [HIT]
+    ids = [g["id"] for g in drivora("failures", "groups", "--status", "known", "--json").json()]
+    assert ids == [group]
+    others = drivora("failures", "groups", "--status", "new", "--json").json()
+    assert group not in [g["id"] for g in others]
+
+
+def test_groups_are_merged_and_split(drivora: Drivora, crashed: dict[str, Any]) -> None:
+    all_of_them = drivora("failures", "groups", "--json").json()
+    others = [g["id"] for g in all_of_them if g["id"] != crashed["group_id"]]
+    assert others, "the ego misses its destination, too"
+    merged = drivora("failures", "merge", crashed["group_id"], *others, "--json").json()
+    assert merged["failures"] == sum(g["failures"] for g in all_of_them)
+    assert len(drivora("failures", "groups", "--json").json()) == 1
+    part = drivora(
+        *("failures", "split", merged["id"], "--failure", str(crashed["id"])),
+        *("--label", "this one", "--json"),
+    ).json()
+    assert (part["label"], part["failures"], part["names"]) == ("this one", 1, [HIT])
+    shown = drivora("failures", "show", merged["id"]).out
+    assert "split 1 failures off" in shown
+    assert "into it" in shown
+    assert "split it off" in drivora("failures", "show", part["id"]).out
+    by_name = drivora("failures", "split", part["id"], "--failure", str(crashed["id"]))
+    assert by_name.code == 2
+    assert "nothing would be left of the group" in by_name.err
+
+
+def test_groups_are_compared_with_a_baseline(drivora: Drivora, crashed: dict[str, Any]) -> None:
+    table = drivora("failures", "groups", "--baseline", "2020-01-01T00:00:00Z")
+    assert table.out.rstrip().endswith("new, 0 same, 0 gone")
+    later = ("--baseline", "2100-01-01T00:00:00Z", "--since-baseline")
+    assert drivora("failures", "groups", *later, "new", "--json").json() == []
+    gone = drivora("failures", "groups", *later, "gone", "--json").json()
+    assert crashed["group_id"] in [g["id"] for g in gone]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("groups", "--status", "old"), "known: new, known, fixed, will_not_fix"),
+        (("groups", "--since-baseline", "new"), "needs --baseline"),
+        (("groups", "--baseline", "x", "--since-baseline", "old"), "known: new, same, gone"),
+        (("groups", "--baseline", "last week"), "2026-11-20T08:00:00Z"),
+        (("list", "--accountability", "some"), "known: avoidable"),
+        (("decide", "0" * 24), "--status"),
+        (("decide", "0" * 24, "--note", "n"), "unknown group of failures"),
+        (("merge", "0" * 24, "1" * 24), "unknown group of failures"),
+        (("split", "0" * 24), "--failure"),
+        (("show", "0" * 24), "unknown group of failures"),
+    ],
+)
+def test_what_cannot_be_done_is_told(
+    drivora: Drivora, arguments: tuple[str, ...], told: str
+) -> None:
+    drivora("store", "migrate")
+    ended = drivora("failures", *arguments)
+    assert (ended.code, ended.out) == (2, "")
+    assert told in " ".join(ended.err.split())
