@@ -1,6 +1,6 @@
 """The numbers of avoidable collisions of campaigns.
 
-Random campaigns are drawn on two scenes of the method study, for three ADSs; each collision is a
+Random campaigns are drawn on two scenes with frequent failures, for three ADSs; each collision is a
 line of the results: what the verdict says of it, and where its scenario came from.
 
     python -m benchmarks.avoidability collect --out benchmarks/results/avoidability.jsonl
@@ -21,10 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.method_study import ARMS, SCENES, Scene, campaign_document
-from benchmarks.search_scenes import catalogues
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import read_campaign
+from benchmarks.search_scenes import FREQUENT, Scene, catalogues, prepared, scenes_of
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
@@ -37,12 +34,11 @@ from drivora_service.runs.report import RunReport, RunSpec
 from drivora_service.worker.performing import perform
 from drivora_service.worker.setup import WorkerSetup
 
-RANDOM = next(arm for arm in ARMS if arm.tester == "random" and arm.egos == "one ego")
 SIMULATIONS = 300
 """Simulations of a campaign; further collisions come from campaigns with further seeds."""
 
 MANY = {"vehicles": 8, "walkers": 2, "weather": False}
-"""The space on the wet arterial: larger than in the method study, where few runs collide."""
+"""The space on the wet arterial: larger than in the study, where few runs collide."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,31 +71,21 @@ PARTS = (
 )
 
 
-def scenes() -> dict[str, Scene]:
-    """Returns the scenes by name."""
-    known = {scene.name: scene for scene in SCENES}
+def scenes(agent: str) -> dict[str, Scene]:
+    """Returns the scenes of an ADS by name."""
+    known = {scene.name: scene for scene in scenes_of(FREQUENT, agent)}
     return {**known, "wet arterial": replace(known["wet arterial"], space=MANY)}
 
 
 def candidates(part: Part, repetition: int) -> Iterator[tuple[int, str]]:
     """Yields numbers and documents of the candidates that a random campaign draws."""
-    text = json.dumps(_document(scenes()[part.scene], part.agent, repetition))
-    search = prepare_search(
-        read_campaign(text, catalogues()), catalogues(), run_prefix="avoidability"
-    )
-    (only,) = search.parts
+    scene = scenes(part.agent)[part.scene]
+    (only,) = prepared(scene, seed=repetition, simulations=SIMULATIONS).parts
     for number in range(SIMULATIONS):
         (proposal,) = only.tester.ask(1)
         candidate = only.candidates.prepare(proposal.values)
         if not candidate.problem:
             yield number, candidate.document
-
-
-def _document(scene: Scene, agent: str, repetition: int) -> dict[str, Any]:
-    document = campaign_document(scene, RANDOM, repetition, SIMULATIONS)
-    for ego in document["scenario"]["ego_vehicles"]:
-        ego["agent"] = {"name": agent}
-    return document
 
 
 def collect(options: argparse.Namespace) -> None:

@@ -9,8 +9,7 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
-from benchmarks.method_study import SCENES, Arm
-from benchmarks.method_study import campaign_document as study_document
+from benchmarks.search_scenes import FREQUENT, SEVERAL_EGOS, campaign_document, scenes_of
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seeds import generate_seeds
@@ -79,11 +78,11 @@ BUDGET: dict[str, Setting] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Telling:
-    """A scene of the study with failures in a few simulations.
+    """A scene of the studies with failures in a few simulations.
 
     Attributes:
         scene: Name of the scene.
-        setting: What its campaign has in place of that of the study; ``None``: all is the study's.
+        setting: What its campaign has in place of the scene's; ``None``: all is the scene's.
     """
 
     scene: str
@@ -155,7 +154,7 @@ def generated_campaign(
 def telling_campaign(tester: str, *, seed: int, simulations: int) -> dict[str, Any]:
     """Writes a campaign on a scene in which the method finds something."""
     telling = TELLING[tester]
-    scene = next(scene for scene in SCENES if scene.name == telling.scene)
-    arm = Arm(tester=tester, egos=scene.egos, target="failing")
-    document = study_document(scene, arm, seed, simulations)
+    scenes = [scene for study in (FREQUENT, SEVERAL_EGOS) for scene in scenes_of(study, "idm")]
+    scene = next(scene for scene in scenes if scene.name == telling.scene)
+    document = campaign_document(scene, tester, seed=seed, simulations=simulations)
     return document if telling.setting is None else {**document, **telling.setting.of(tester)}

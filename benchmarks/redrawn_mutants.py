@@ -1,6 +1,6 @@
 """Mutants that leave every ego's run as it was, and those of them that testers draw again.
 
-On each scene of the method study with one ego, candidates are drawn and run, and some mutants of
+On each scene with frequent failures, candidates are drawn and run, and some mutants of
 each are run, too. A mutant that testers would draw again must leave the egos' runs as they were,
 step by step: that is checked for all of them, and for as many mutants that redraw nothing but genes
 without an effect (``worker.without_effect``). How many of the others leave them as they were tells
@@ -16,17 +16,13 @@ import json
 import tempfile
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from benchmarks.method_study import ARMS, SCENES, Scene, campaign_document
-from benchmarks.search_scenes import catalogues
+from benchmarks.search_scenes import FREQUENT, Scene, catalogues, prepared, scenes_of
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import read_campaign
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.geometry.arrays import BoolArray, FloatArray
 from drivora_service.networks.catalogue import shipped_networks
@@ -73,18 +69,23 @@ MUTATIONS: dict[str, Mutation | None] = {
 }
 
 
+def in_fog(scene: Scene) -> Scene:
+    """Returns the foggy variant of a scene."""
+    return replace(
+        scene,
+        name=f"{scene.name}, fog",
+        scenario={**scene.scenario, "weather": {"fog_density": FOG}},
+        space={**scene.space, "weather": False},
+    )
+
+
 class Laboratory:
     """Runs candidates of one scene."""
 
-    def __init__(self, evaluator: LocalEvaluator, scene: Scene, agent: str, *, fog: bool) -> None:
-        document: dict[str, Any] = campaign_document(scene, ARMS[0], 1, 1)
-        if fog:
-            document["scenario"]["weather"] = {"fog_density": FOG}
-            document["space"] = {**document["space"], "weather": False}
-        valid = read_campaign(json.dumps(document), catalogues())
-        (part,) = prepare_search(valid, catalogues(), run_prefix="redrawn").parts
+    def __init__(self, evaluator: LocalEvaluator, scene: Scene) -> None:
+        (part,) = prepared(scene).parts
         self._evaluator, self._source = evaluator, part.candidates.source
-        self._agent = agent
+        self._agent = scene.agent
         self.space = part.candidates.genes
         self.decode_alike = space_of(self._source, catalogues().networks).decode_alike
 
@@ -151,8 +152,6 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     options.out.parent.mkdir(parents=True, exist_ok=True)
-    scenes = [scene for scene in SCENES if scene.egos == "one ego"]
-    places = [(scene, False) for scene in scenes] + [(scene, True) for scene in scenes]
     with (
         tempfile.TemporaryDirectory() as folder,
         LocalExecutor(
@@ -163,17 +162,17 @@ def main() -> None:
         options.out.open("w") as out,
     ):
         for agent in options.agent:
-            for scene, fog in places:
-                laboratory = Laboratory(LocalEvaluator(executor), scene, agent, fog=fog)
+            clear = scenes_of(FREQUENT, agent)
+            for scene in (*clear, *map(in_fog, clear)):
+                laboratory = Laboratory(LocalEvaluator(executor), scene)
                 redrawing = Redrawing(decode_alike=laboratory.decode_alike, attempts=1)
                 for mutation in MUTATIONS:
                     counts = explore(laboratory, redrawing, mutation, options)
-                    name = f"{scene.name}, fog" if fog else scene.name
-                    line = {"scene": name, "agent": agent, "mutation": mutation, **counts}
+                    line = {"scene": scene.name, "agent": agent, "mutation": mutation, **counts}
                     out.write(json.dumps(line) + "\n")
                     out.flush()
                     print(
-                        f"| {name} | {agent} | {mutation} | {counts['mutants']} | "
+                        f"| {scene.name} | {agent} | {mutation} | {counts['mutants']} | "
                         f"{counts['unchanged']} | {counts['redrawn']} | "
                         f"{counts['redrawn, but changed']} |",
                         flush=True,

@@ -45,6 +45,13 @@ class Scene:
         )
 
 
+STUDIES = Path(__file__).parent / "studies"
+FREQUENT = STUDIES / "one-ego.yaml"
+"""Study with scenes at which failures are frequent, of one ego."""
+SEVERAL_EGOS = STUDIES / "several-egos.yaml"
+"""Study with scenes of several egos."""
+
+
 @cache
 def catalogues() -> Catalogues:
     """Returns the catalogues of campaigns; one a process."""
@@ -64,21 +71,28 @@ def scenes_of(study: Path, agent: str) -> tuple[Scene, ...]:
     )
 
 
-def prepared(scene: Scene) -> Search:
+def campaign_document(
+    scene: Scene, tester: str = "random", *, seed: int = 1, simulations: int = 1
+) -> dict[str, Any]:
+    """Writes a campaign in a scene."""
+    return {
+        "name": scene.name,
+        "tester": {"name": tester},
+        "agent": {"name": scene.agent, "parameters": dict(scene.parameters)},
+        "scenario": scene.scenario,
+        "space": scene.space,
+        "budget": {"simulations": simulations},
+        "seed": seed,
+        **({"oracles": list(scene.oracles)} if scene.oracles else {}),
+    }
+
+
+def prepared(scene: Scene, *, seed: int = 1, simulations: int = 1) -> Search:
     """Prepares random search in a scene.
 
     Raises:
         InvalidDocument: The scene has no such space.
     """
-    document: dict[str, Any] = {
-        "name": scene.name,
-        "tester": {"name": "random"},
-        "agent": {"name": scene.agent, "parameters": dict(scene.parameters)},
-        "scenario": scene.scenario,
-        "space": scene.space,
-        "budget": {"simulations": 1},
-    }
-    if scene.oracles:
-        document["oracles"] = list(scene.oracles)
+    document = campaign_document(scene, seed=seed, simulations=simulations)
     valid = read_campaign(json.dumps(document), catalogues())
     return prepare_search(valid, catalogues(), run_prefix="scene")

@@ -25,7 +25,7 @@ import numpy as np
 
 from benchmarks.landscape.laboratory import AT_ONCE, Laboratory, Ran
 from benchmarks.landscape.nearness import MEASURES
-from benchmarks.search_scenes import Scene, scenes_of
+from benchmarks.search_scenes import FREQUENT, Scene, scenes_of
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import shipped_networks
@@ -33,7 +33,6 @@ from drivora_service.observations.run_view import RunView
 from drivora_service.search.mutation import GaussianMutation
 from drivora_service.worker.setup import WorkerSetup
 
-STUDY = Path(__file__).parents[1] / "studies" / "one-ego.yaml"
 AGENTS = ("idm", "pdm-closed", "plant-lite")
 
 
@@ -141,7 +140,7 @@ def main(arguments: Sequence[str]) -> None:
         return
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, required=True, help="JSON lines; others are kept")
-    parser.add_argument("--study", type=Path, default=STUDY, help="study file with the scenes")
+    parser.add_argument("--study", type=Path, default=FREQUENT, help="study file with the scenes")
     parser.add_argument("--agents", nargs="+", default=AGENTS)
     parser.add_argument("--draws", type=int, default=1000, help="scenarios drawn anew")
     parser.add_argument("--parents", type=int, default=24, help="scenarios of a group to change")
