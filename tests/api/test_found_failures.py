@@ -127,7 +127,7 @@ def test_people_decide_about_groups(http: httpx.Client, crashed: Json) -> None:
     problem = http.post(f"{address}:decide", json={**note, "revision": before["revision"]})
     is_problem(problem, 409)
     assert "Ada changed the group meanwhile" in problem.json()["detail"]
-    change = http.get(after["changes_url"]).json()[0]
+    change = http.get(after["changes_url"]).json()["items"][0]
     assert (change["what"], change["after"], change["by"]) == ("note", note["note"], "Ada")
     # A part of it is split off and merged again.
     part = http.post(f"{address}:split", json={"failures": [failure["id"]], "label": "this one"})

@@ -17,6 +17,7 @@ from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.failure_groups import (
     DecisionRequest,
     FailureGroup,
+    GroupChangeList,
     MergeRequest,
     SplitRequest,
     failure_group_of,
@@ -24,7 +25,6 @@ from drivora_service.api.schemas.failure_groups import (
 from drivora_service.api.security import client_name, reader, submitter
 from drivora_service.api_paths import PREFIX
 from drivora_service.store.group_records import (
-    GroupChange,
     GroupFilter,
     GroupStatus,
     NewDecision,
@@ -121,7 +121,7 @@ def get_group(request: Request, context: Context, group_id: str) -> Response:
 
 @router.get(
     _GROUP + "/changes",
-    response_model=tuple[GroupChange, ...],
+    response_model=GroupChangeList,
     responses=answers(examples.GROUP_CHANGES, 401, 403, 404),
     dependencies=[Depends(reader)],
 )
@@ -129,7 +129,7 @@ def list_changes(request: Request, context: Context, group_id: str) -> Response:
     """Lists what was decided about a group, the last first."""
     with context.database.read() as transaction:
         changes = transaction.groups.changes(group_id)
-    return json_answer(request, tuple[GroupChange, ...], changes)
+    return json_answer(request, GroupChangeList, GroupChangeList(items=changes))
 
 
 @router.post(

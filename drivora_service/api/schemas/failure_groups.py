@@ -9,7 +9,7 @@ from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.failures import FoundFailure, found_failure_of
-from drivora_service.shapes import combine
+from drivora_service.shapes import Shape, combine
 from drivora_service.store import group_records
 from drivora_service.store.group_records import (
     LONGEST_LABEL,
@@ -43,6 +43,17 @@ class FailureGroup(group_records.FailureGroup):
     example: FoundFailure
     failures_url: str
     changes_url: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GroupChangeList(Shape):
+    """What was decided about a group.
+
+    Attributes:
+        items: The last first.
+    """
+
+    items: tuple[group_records.GroupChange, ...]
 
 
 class DecisionRequest(Schema):

@@ -156,7 +156,7 @@ def show(
     else:
         from drivora_service.cli.failure_results import print_group
 
-        print_group(found, changes)
+        print_group(found, changes.items)
 
 
 @app.command()

@@ -10,10 +10,10 @@ from drivora_service.client.call import Call, Listing, Query, act, get, listing
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from drivora_service.api.schemas.failure_groups import FailureGroup
+    from drivora_service.api.schemas.failure_groups import FailureGroup, GroupChangeList
     from drivora_service.api.schemas.failures import FoundFailure
     from drivora_service.store.found_records import FoundFilter
-    from drivora_service.store.group_records import GroupChange, GroupStatus, SinceBaseline
+    from drivora_service.store.group_records import GroupStatus, SinceBaseline
 
 _GROUPS = f"{PREFIX}/failures/groups"
 _GROUP = f"{_GROUPS}/{{group_id}}"
@@ -74,11 +74,11 @@ def failure_group(group_id: str) -> Call[FailureGroup]:
     return get(_GROUP, FailureGroup, group_id=group_id)
 
 
-def failure_group_changes(group_id: str) -> Call[tuple[GroupChange, ...]]:
+def failure_group_changes(group_id: str) -> Call[GroupChangeList]:
     """Returns what was decided about a group, the last first."""
-    from drivora_service.store.group_records import GroupChange
+    from drivora_service.api.schemas.failure_groups import GroupChangeList
 
-    return get(f"{_GROUP}/changes", tuple[GroupChange, ...], group_id=group_id)
+    return get(f"{_GROUP}/changes", GroupChangeList, group_id=group_id)
 
 
 def decide_group(

@@ -3967,6 +3967,17 @@ export interface components {
             what: components["schemas"]["ChangedPart"];
         };
         /**
+         * GroupChangeList
+         * @description What was decided about a group.
+         */
+        GroupChangeList: {
+            /**
+             * Items
+             * @description The last first.
+             */
+            items: components["schemas"]["GroupChange"][];
+        };
+        /**
          * GroupStatus
          * @description What people have decided about a group of failures.
          * @enum {string}
@@ -10342,7 +10353,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["GroupChange"][];
+                    "application/json": components["schemas"]["GroupChangeList"];
                 };
             };
             /** @description Unauthorized */

@@ -159,7 +159,7 @@ function GroupHistory({ id, revision }: { readonly id: string; readonly revision
         await api.GET("/api/v1/failures/groups/{group_id}/changes", {
           params: { path: { group_id: id } },
         }),
-      ),
+      ).items,
   });
   if (!data || data.length === 0) return null;
   return (
