@@ -59,7 +59,7 @@ class Candidate:
         document: Canonical JSON text of the scenario, with what an adversary did during the run; ""
             if there is none.
         problem: Why there is none, or "".
-        prepare_s: Seconds of repairing, decoding and checking.
+        prepare_s: Processor seconds of repairing, decoding and checking.
     """
 
     values: tuple[float, ...]

@@ -267,8 +267,8 @@ class EvaluationRecord:
         report: Report of its run; of an invalid candidate, its problems.
         violations: Violations that count as failures, in the order of their times.
         failure_kinds: Kind of each violation, see ``campaigns.failure_kinds``.
-        search_s: Seconds of the tester's work since the evaluation before.
-        prepare_s: Seconds of repairing, decoding and checking, in the worker.
+        search_s: Processor seconds of the tester's work since the evaluation before.
+        prepare_s: Processor seconds of repairing, decoding and checking, in the worker.
         asked_sha256: Hash of the proposed values before their repair; "" if it was not recorded.
         seed_number: Place of its seed scenario in the campaign, from 0.
     """

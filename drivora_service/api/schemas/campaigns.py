@@ -97,8 +97,8 @@ class Evaluation(EvaluationSummary):
         agents: Agent of each ego.
         privileged: Egos that saw more than the perception model lets through.
         versions: Versions of what took part in the run, by name.
-        search_s: Seconds that the tester took for it.
-        prepare_s: Seconds that repairing and checking it took.
+        search_s: Processor seconds that the tester took for it.
+        prepare_s: Processor seconds that repairing and checking it took.
         scenario_url: Address of its scenario; empty if it is no valid one.
         observations_url: Address of the recording of its second run; empty unless it failed.
         run_url: Address of its run; empty unless the service made it and still has it.

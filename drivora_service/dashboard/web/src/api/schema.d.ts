@@ -3176,7 +3176,7 @@ export interface components {
             parents: number[];
             /**
              * Prepare S
-             * @description Seconds that repairing and checking it took.
+             * @description Processor seconds that repairing and checking it took.
              */
             prepare_s: number;
             /**
@@ -3211,7 +3211,7 @@ export interface components {
             };
             /**
              * Search S
-             * @description Seconds that the tester took for it.
+             * @description Processor seconds that the tester took for it.
              */
             search_s: number;
             /**
