@@ -110,6 +110,48 @@ FOUND_FAILURE = RECORDED + "found-failure.json"
 FAILURE_GROUPS = RECORDED + "failure-groups.json"
 FAILURE_GROUP = RECORDED + "failure-group.json"
 GROUP_CHANGES = RECORDED + "group-changes.json"
+
+SUITES = RECORDED + "suites.json"
+SUITE_HISTORY = RECORDED + "suite-history.json"
+SUITE_RUNS = RECORDED + "suite-runs.json"
+SUITE_RUN = RECORDED + "suite-run.json"
+SUITE_RUN_REQUEST: dict[str, Any] = {
+    "decision": {
+        "suite": "smoke",
+        "agent": "idm",
+        "fails": True,
+        "sentence": "Gate failed: 1 new against the baseline; 1 of 2 scenarios fail in 2 judged "
+        "runs",
+        "reasons": ["1 new failure"],
+        "counts": {"new": 1},
+        "baseline": "baseline.json",
+        "scenarios": 2,
+        "passing": 1,
+        "judged_runs": 2,
+        "pass_rate": {"mean": 0.5, "low": 0.09, "high": 0.91},
+        "score": {"mean": 82.5},
+        "versions": {"drivora": "0.1.0"},
+    },
+    "outcomes": [
+        {
+            "scenario": "cut-in",
+            "state": "fails_gate",
+            "failing": 1,
+            "judged": 1,
+            "score": 65.0,
+            "run_id": "0193a5b0c4d200000000001d",
+            "failures": ["collision: Collided with a vehicle at 4.2 m/s relative to it."],
+        },
+        {
+            "scenario": "left-turn",
+            "state": "passes",
+            "failing": 0,
+            "judged": 1,
+            "score": 100.0,
+            "run_id": "0193a5b0c4d200000000001e",
+        },
+    ],
+}
 COMPARISON = RECORDED + "comparison.json"
 
 QUEUED_STUDY = RECORDED + "queued-study.json"

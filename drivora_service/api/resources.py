@@ -32,6 +32,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("failures", "/failures(/[0-9]*)?"),
         ("failure_groups", "/failures/groups([/:].*)?"),
         ("studies", "/studies([/:].*)?"),
+        ("suites", "/suites(:history)?|/suite-runs(/.*)?"),
         ("tables", "/tables/[^/]*"),
         ("events", "/events"),
         ("sessions", "/session"),

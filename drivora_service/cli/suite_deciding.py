@@ -21,9 +21,11 @@ from drivora_service.cli.suite_reports import (
 )
 from drivora_service.cli.suite_running import SuiteOrder, run_again
 from drivora_service.client import Client
+from drivora_service.errors import DrivoraError
 from drivora_service.suites.baseline import Baseline
 from drivora_service.suites.gate_documents import GateDocument
 from drivora_service.suites.gating import decide, to_confirm
+from drivora_service.suites.recording import decision_of, outcomes_of
 from drivora_service.suites.report import SuiteReport
 from drivora_service.suites.results import SuiteResults
 from drivora_service.suites.suite import Suite
@@ -103,6 +105,17 @@ def decided(
     report = report_of(results, suite.by_name, decision, baseline=baseline, pictures=pictures)
     write_reports(report, files)
     return report
+
+
+def keep(client: Client, report: SuiteReport) -> None:
+    """Has the application or service keep what was decided, for the history of the suite.
+
+    A service that cannot, such as one of an older version, loses nothing of the decision.
+    """
+    try:
+        client.post_suite_run(decision_of(report), outcomes_of(report))
+    except DrivoraError as error:
+        note(f"note: the decision is not in the history of the suite: {error}")
 
 
 def tell(report: SuiteReport, *, as_json: bool, judges: bool) -> None:

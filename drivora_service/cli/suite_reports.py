@@ -14,9 +14,10 @@ from drivora_service.cli.output import note, print_table
 from drivora_service.cli.private_files import give_to_user
 from drivora_service.errors import DrivoraError
 from drivora_service.shapes import to_json
+from drivora_service.store.suite_records import ScenarioState
 from drivora_service.suites.baseline import Baseline, read_baseline
 from drivora_service.suites.decision import Decision
-from drivora_service.suites.report import ScenarioState, SuiteReport, make_report
+from drivora_service.suites.report import STATES_IN_WORDS, SuiteReport, make_report
 from drivora_service.suites.results import SuiteResults, SuiteRun, results_text
 from drivora_service.suites.suite import SuiteScenario
 
@@ -234,7 +235,7 @@ def report_content(report: SuiteReport) -> dict[str, Any]:
         "scenarios": [
             {
                 "scenario": row.name,
-                "state": str(row.state),
+                "state": STATES_IN_WORDS[row.state],
                 "failing_runs": row.failing,
                 "judged_runs": row.judged,
                 "driving_score": row.score,

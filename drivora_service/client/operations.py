@@ -18,6 +18,7 @@ from drivora_service.client.calls import minimizations as minimization_calls
 from drivora_service.client.calls import runs as run_calls
 from drivora_service.client.calls import sessions as session_calls
 from drivora_service.client.calls import studies as study_calls
+from drivora_service.client.calls import suites as suite_calls
 from drivora_service.client.calls import tables as table_calls
 from drivora_service.client.listening import Event
 
@@ -197,6 +198,12 @@ class Operations:
     decide_group = Answered(failure_calls.decide_group)
     merge_groups = Answered(failure_calls.merge_groups)
     split_group = Answered(failure_calls.split_group)
+
+    post_suite_run = Answered(suite_calls.post_suite_run)
+    suites = Answered(suite_calls.suites)
+    suite_runs = Listed(suite_calls.suite_runs)
+    suite_run = Answered(suite_calls.suite_run)
+    suite_history = Answered(suite_calls.suite_history)
 
     post_study = Answered(study_calls.post_study)
     studies = Listed(study_calls.studies)

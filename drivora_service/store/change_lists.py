@@ -17,10 +17,14 @@ from drivora_service.store.campaign_tables import CampaignRow, StudyRow, is_camp
 from drivora_service.store.group_tables import FailureGroupRow
 from drivora_service.store.minimization_tables import MinimizationRow
 from drivora_service.store.revisions import Position, is_known, latest_position
+from drivora_service.store.suite_tables import SuiteRunRow
 from drivora_service.store.tables import BatchRow, RunRow
 
 MOST_CHANGES = 500
 """Of one list."""
+
+
+_ROWS = (RunRow, BatchRow, CampaignRow, StudyRow, MinimizationRow, FailureGroupRow, SuiteRunRow)
 
 
 class ChangedKind(StrEnum):
@@ -33,6 +37,8 @@ class ChangedKind(StrEnum):
     MINIMIZATION = "minimization"
     GROUP = "group"
     """A group of failures about which somebody has decided something."""
+    SUITE = "suite"
+    """A run of a suite."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,8 +47,8 @@ class Change(Shape):
 
     Attributes:
         id: Id of the object.
-        status: Status of a run or a group of failures, state of another; empty for a study of which
-            only the store knows.
+        status: Status of a run or a group of failures, `failed` or `passed` of a run of a suite,
+            state of another; empty for a study of which only the store knows.
         revision: Count of all changes at its newest one.
         batch_id: Batch of a run, a campaign or a minimisation, or itself; empty without one.
         campaign_id: Campaign that it is or belongs to; empty without one.
@@ -97,7 +103,7 @@ class ChangeRepository:
             return False
         return any(
             self._session.scalar(select(row.id).where(row.id == object_id)) is not None
-            for row in (RunRow, BatchRow, CampaignRow, StudyRow, MinimizationRow, FailureGroupRow)
+            for row in _ROWS
         )
 
     def after(
@@ -187,6 +193,9 @@ def _query(kind: ChangedKind) -> Select[*tuple[Any, ...]]:
         case ChangedKind.GROUP:
             row = FailureGroupRow
             query = _columns(kind, FailureGroupRow, FailureGroupRow.status)
+        case ChangedKind.SUITE:
+            row = SuiteRunRow
+            query = _columns(kind, SuiteRunRow, case((SuiteRunRow.fails, "failed"), else_="passed"))
     return (
         query.where(row.revision > bindparam("after"), row.revision <= bindparam("newest"))
         .order_by(row.revision)

@@ -40,6 +40,7 @@ from drivora_service.store.queue import QueueRepository
 from drivora_service.store.results import ResultRepository
 from drivora_service.store.revisions import lock_count, revise
 from drivora_service.store.studies import StudyRepository
+from drivora_service.store.suite_runs import SuiteRunRepository
 from drivora_service.store.workers import WorkerRepository
 
 PATIENCE_S = 30.0
@@ -100,6 +101,11 @@ class Transaction:
     def minimizations(self) -> MinimizationRepository:
         """Minimisations."""
         return MinimizationRepository(self.session)
+
+    @property
+    def suite_runs(self) -> SuiteRunRepository:
+        """Suites that were run, with the decisions of their gates."""
+        return SuiteRunRepository(self.session)
 
     @property
     def changes(self) -> ChangeRepository:

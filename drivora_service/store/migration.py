@@ -25,6 +25,7 @@ from drivora_service.store import (  # noqa: F401 # their tables
     facet_tables,
     group_tables,
     minimization_tables,
+    suite_tables,
 )
 from drivora_service.store.revisions import new_epoch
 from drivora_service.store.tables import Base, EpochRow

@@ -1,6 +1,7 @@
 """The count of changes, which orders everything that happens to what a service keeps.
 
-That is runs, batches, campaigns, studies, minimisations and groups of failures.
+That is runs, batches, campaigns, studies, minimisations, groups of failures and
+runs of suites.
 
 Every transaction that changes what is shown of such an object gives it the next number of the count
 as its ``revision``. The count only grows, also when the newest object is deleted. Rows that the ORM
@@ -34,6 +35,7 @@ from drivora_service.store.campaign_tables import (
 from drivora_service.store.group_tables import FailureGroupRow
 from drivora_service.store.minimization_tables import MinimizationRow
 from drivora_service.store.plain_statements import execute_many
+from drivora_service.store.suite_tables import SuiteRunRow
 from drivora_service.store.tables import BatchRow, EpochRow, RunRow
 
 _EPOCHS = cast("Table", EpochRow.__table__)
@@ -43,7 +45,9 @@ _KEPT = 1000
 
 _POSITION = re.compile(r"([0-9a-f]{12})\.([0-9]{1,15})|([0-9]{1,15})")
 
-Revised = RunRow | BatchRow | CampaignRow | StudyRow | MinimizationRow | FailureGroupRow
+Revised = (
+    RunRow | BatchRow | CampaignRow | StudyRow | MinimizationRow | FailureGroupRow | SuiteRunRow
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from xml.etree import ElementTree
 
+from drivora_service.store.suite_records import ScenarioState
 from drivora_service.suites.decision import ClassifiedFailure
-from drivora_service.suites.report import ScenarioRow, ScenarioState, SuiteReport
+from drivora_service.suites.report import ScenarioRow, SuiteReport
 
 _GATE = "gate"
 # XML 1.0 has no place for these characters, not even as references.

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
-from enum import StrEnum
 
+from drivora_service.store.suite_records import ScenarioState
 from drivora_service.suites.decision import ClassifiedFailure, Decision
 from drivora_service.suites.failures import is_judged, is_seedless
 from drivora_service.suites.results import SuiteResults, SuiteRun
@@ -16,15 +16,15 @@ SCORE = "driving_score"
 """Metric that reports show of each scenario."""
 
 
-class ScenarioState(StrEnum):
-    """What became of a scenario; those that need a decision come first."""
-
-    FAILS_GATE = "fails the gate"
-    NOT_JUDGED = "not judged"
-    FLAKY = "flaky"
-    FAILS = "fails, as accepted"
-    KNOWN = "known failures only"
-    PASSES = "passes"
+STATES_IN_WORDS: Mapping[ScenarioState, str] = {
+    ScenarioState.FAILS_GATE: "fails the gate",
+    ScenarioState.NOT_JUDGED: "not judged",
+    ScenarioState.FLAKY: "flaky",
+    ScenarioState.FAILS: "fails, as accepted",
+    ScenarioState.KNOWN: "known failures only",
+    ScenarioState.PASSES: "passes",
+}
+"""States of scenarios as reports name them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

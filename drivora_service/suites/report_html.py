@@ -5,8 +5,9 @@ from __future__ import annotations
 import base64
 
 from drivora_service.oracles.accountability import IN_WORDS
+from drivora_service.store.suite_records import ScenarioState
 from drivora_service.suites.decision import ClassifiedFailure
-from drivora_service.suites.report import ScenarioState, SuiteReport
+from drivora_service.suites.report import STATES_IN_WORDS, SuiteReport
 
 _TEMPLATE = "report.html.jinja"
 
@@ -29,6 +30,7 @@ def report_html(report: SuiteReport) -> str:
         decision=report.decision,
         rows=sorted(report.rows, key=lambda row: order[row.state]),
         facts=_facts,
+        words=STATES_IN_WORDS,
         shown=[],
         pictures={run_id: _source(svg) for run_id, svg in report.pictures.items()},
     )

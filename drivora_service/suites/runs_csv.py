@@ -6,7 +6,7 @@ import csv
 import io
 
 from drivora_service.studies.csv_text import safe_cells
-from drivora_service.suites.report import SuiteReport
+from drivora_service.suites.report import STATES_IN_WORDS, SuiteReport
 
 _COLUMNS = (
     "scenario",
@@ -47,7 +47,7 @@ def runs_csv(report: SuiteReport) -> str:
                 row.name,
                 run.repetition,
                 run.seed,
-                row.state,
+                STATES_IN_WORDS[row.state],
                 run.status,
                 run.cause,
                 run.run_id,

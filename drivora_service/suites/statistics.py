@@ -6,6 +6,9 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+_Z_95 = 1.959963984540054
+"""97.5 % quantile of the standard normal distribution."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Occurrences:
@@ -80,6 +83,21 @@ def p_of_more_overall(pairs: Iterable[tuple[Occurrences, Occurrences]]) -> float
         return None
     z = (surplus - 0.5) / math.sqrt(variance)
     return 0.5 * math.erfc(z / math.sqrt(2.0))
+
+
+def share(part: int, whole: int) -> Interval:
+    """Returns a share with the 95 % interval of Wilson (1927), which also holds near 0 and 1.
+
+    Args:
+        part: Number of those that count.
+        whole: Number of all; 0: the share is 0, and the interval the whole range.
+    """
+    if not whole:
+        return Interval(mean=0.0, low=0.0, high=1.0)
+    mean, z2 = part / whole, _Z_95**2
+    middle = (mean + z2 / (2.0 * whole)) / (1.0 + z2 / whole)
+    half = _Z_95 / (1.0 + z2 / whole) * math.sqrt(mean * (1.0 - mean) / whole + z2 / 4.0 / whole**2)
+    return Interval(mean=mean, low=max(middle - half, 0.0), high=min(middle + half, 1.0))
 
 
 def mean_of_repetitions(values: Sequence[float], *, confidence: float) -> Interval:

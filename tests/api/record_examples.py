@@ -261,6 +261,10 @@ class _Recording:
         decision = {"status": "known", "note": "Issue 12.", "assignee": "Ada", "by": "Ada"}
         self._keep(examples.FAILURE_GROUP, self._post(f"{group}:decide", decision))
         self._keep(examples.GROUP_CHANGES, self._get(f"{group}/changes"))
+        self._keep(examples.SUITE_RUN, self._post("/suite-runs", examples.SUITE_RUN_REQUEST))
+        self._keep(examples.SUITE_RUNS, self._get("/suite-runs?suite=smoke"))
+        self._keep(examples.SUITES, self._get("/suites"))
+        self._keep(examples.SUITE_HISTORY, self._get("/suites:history?suite=smoke&runs=5"))
         studied = [
             self._post(
                 "/campaigns",

@@ -89,7 +89,7 @@ def test_the_schema_says_what_is_needed_of_lists_and_page_tokens(openapi: dict[s
         for parameter in operation.get("parameters", ())
         if parameter["name"] == "page_token"
     ]
-    assert len(tokens) == 10
+    assert len(tokens) == 11
     for schema in tokens:
         assert schema["format"] == "page-token"
         assert re.fullmatch(schema["pattern"], "WyI1ZmVjZWI2NmZmYzgiLCAxXQ")

@@ -48,6 +48,7 @@ NAMES = (
     "minimization_id",
     "name",
     "run_id",
+    "suite_run_id",
     "study_id",
 )
 

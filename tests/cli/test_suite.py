@@ -257,3 +257,31 @@ def test_failures_of_a_campaign_become_a_suite(
     assert traces == found
     again = drivora("campaign", "export", searched["id"], *options).json()
     assert (again["added"], again["known"]) == ([], len(added))
+
+
+def test_decisions_are_the_history_of_the_suite(drivora: Drivora, suite: Path) -> None:
+    assert drivora("suite", "run", suite).code == 1
+    assert drivora("suite", "run", suite, "--select", "driving").code == 0
+    # A shard by itself is not judged.
+    drivora("suite", "run", suite, "--shard", "1/2")
+    history = drivora("suite", "history", "three", "--json").json()
+    assert [run["fails"] for run in history["runs"]] == [True, False]
+    assert [run["pass_rate"]["mean"] for run in history["runs"]] == [pytest.approx(2 / 3), 1.0]
+    first, last = (run["pass_rate"] for run in history["runs"])
+    assert 0.0 < first["low"] < 2 / 3 < first["high"] < 1.0
+    assert last["high"] == 1.0
+    lines = {one["scenario"]: one["outcomes"] for one in history["scenarios"]}
+    assert [o and o["state"] for o in lines["creeping"]] == ["fails_gate", None]
+    assert [o["state"] for o in lines["wet-arterial"]] == ["passes", "passes"]
+    failed = lines["creeping"][0]
+    shown = drivora("runs", "show", failed["run_id"], "--json").json()
+    assert any(one["outcome"] == "violated" for one in shown["verdicts"])
+    assert failed["failures"][0].startswith("collision: ")
+    printed = drivora("suite", "history", "three").out
+    assert "67 % (" in printed
+    assert "creeping" in printed
+    assert "wet-arterial" not in printed, "it always passes"
+    assert "three" in drivora("suite", "history").out
+    nothing = drivora("suite", "history", "four")
+    assert nothing.code == 2
+    assert "known: three" in nothing.err

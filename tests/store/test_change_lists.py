@@ -52,6 +52,7 @@ from tests.store.samples import (
 )
 from tests.store.test_campaigns import evaluation
 from tests.store.test_query_plans import plan, queries
+from tests.store.test_suite_runs import DECISION, outcome
 
 Shown = dict[tuple[ChangedKind, str], tuple[int, Any]]
 
@@ -79,6 +80,9 @@ def shown(transaction: Transaction) -> Shown:
     for one in transaction.minimizations.page(limit=1000).items:
         smaller = transaction.minimizations.get(one.id)
         found[ChangedKind.MINIMIZATION, one.id] = (smaller.revision, without(smaller))
+    for suite_run in transaction.suite_runs.page(limit=1000).items:
+        whole_run = transaction.suite_runs.get(suite_run.id)
+        found[ChangedKind.SUITE, suite_run.id] = (whole_run.revision, without(whole_run))
     for row in transaction.session.scalars(select(FailureGroupRow)):
         told = (without(decision_of(row)), names_in(transaction.session, row.seq))
         found[ChangedKind.GROUP, row.id] = (row.revision, told)
@@ -255,7 +259,11 @@ def test_every_operation_on_campaigns_and_studies_is_counted(
         write(database, lambda t: t.campaigns.ask_for(campaign, CampaignRequest.CANCEL))
     with witness.watched():
         write(database, lambda t: t.studies.ask_for(study, CampaignRequest.CANCEL))
-    assert witness.seen == set(ChangedKind) - {ChangedKind.MINIMIZATION, ChangedKind.GROUP}
+    assert witness.seen == set(ChangedKind) - {
+        ChangedKind.MINIMIZATION,
+        ChangedKind.GROUP,
+        ChangedKind.SUITE,
+    }
 
 
 def test_every_operation_on_minimisations_is_counted(database: Database, witness: Witness) -> None:
@@ -293,6 +301,12 @@ def test_every_decision_about_groups_is_counted(database: Database, witness: Wit
     with witness.watched():
         write(database, lambda t: t.decisions.split(one, names=["b"]))
     assert ChangedKind.GROUP in witness.seen
+
+
+def test_every_run_of_a_suite_is_counted(database: Database, witness: Witness) -> None:
+    with witness.watched():
+        write(database, lambda t: t.suite_runs.add(DECISION, [outcome("a")]))
+    assert witness.seen == {ChangedKind.SUITE}
 
 
 def test_traces_that_retention_removes_are_counted(

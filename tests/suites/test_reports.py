@@ -14,12 +14,13 @@ import pytest
 from junitparser import JUnitXml, TestCase
 
 from drivora_service.runs.report import RunStatus
+from drivora_service.store.suite_records import ScenarioState
 from drivora_service.suites.baseline import make_baseline
 from drivora_service.suites.failures import find_failures
 from drivora_service.suites.gate_documents import GateDocument
 from drivora_service.suites.gating import decide
 from drivora_service.suites.junit import junit_xml
-from drivora_service.suites.report import ScenarioState, SuiteReport, make_report
+from drivora_service.suites.report import SuiteReport, make_report
 from drivora_service.suites.report_html import report_html
 from drivora_service.suites.results import SuiteRun
 from drivora_service.suites.runs_csv import runs_csv

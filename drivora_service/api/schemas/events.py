@@ -18,6 +18,7 @@ class EventKind(StrEnum):
     STUDY = ChangedKind.STUDY.value
     MINIMIZATION = ChangedKind.MINIMIZATION.value
     GROUP = ChangedKind.GROUP.value
+    SUITE = ChangedKind.SUITE.value
     WORKERS = "workers"
 
 

@@ -126,7 +126,7 @@ def run(
     as_json: JsonOption = False,
 ) -> None:
     """Runs a suite and decides; exits with 1 if the gate fails, with 3 if a run was not judged."""
-    from drivora_service.cli.suite_deciding import confirmed, decided, tell
+    from drivora_service.cli.suite_deciding import confirmed, decided, keep, tell
     from drivora_service.cli.suite_reports import ReportFiles
     from drivora_service.suites.selection import read_shard
 
@@ -164,6 +164,8 @@ def run(
             done = run_suite(client, read, chosen, order, shard=part, on_run=lambda: count("runs"))
         done = confirmed(client, read, done, order, gate, accepted)
         made = decided(client, done, read, gate, baseline, files)
+        if part is None:
+            keep(client, made)
         # What was not run stays as it was, unless the suite no longer has it.
         not_run = read.by_name.keys() - done.scenarios.keys()
         remember_failed(suite, failed_names(made), not_run=not_run)
@@ -278,6 +280,37 @@ def accept(
         f"{baseline} {verb} {failures} failures of {len(new.scenarios)} scenarios; "
         f"{len(changes)} changes"
     )
+
+
+@app.command()
+def history(
+    suite: Annotated[
+        str, typer.Argument(metavar="NAME", help="Name of a suite that was run; none: all of them.")
+    ] = "",
+    agent: Annotated[str, typer.Option(metavar="NAME", help="Driven by this agent.")] = "",
+    runs: Annotated[int, typer.Option(min=1, max=200, help="Number of runs, the last ones.")] = 10,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Shows the last runs of a suite, and how its scenarios went; without a name, all suites."""
+    from drivora_service.cli.output import print_shape
+
+    with connected(server, data_dir) as client:
+        from drivora_service.cli.suite_history import print_history, print_suites
+
+        if not suite:
+            suites = client.suites()
+            if as_json:
+                print_shape(type(suites), suites)
+            else:
+                print_suites(suites.items)
+            return
+        found = client.suite_history(suite, agent=agent, runs=runs)
+    if as_json:
+        print_shape(type(found), found)
+    else:
+        print_history(found)
 
 
 @app.command("list")

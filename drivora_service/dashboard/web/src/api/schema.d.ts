@@ -1330,6 +1330,92 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/suite-runs": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Suite Runs
+         * @description Lists runs of suites, newest first.
+         */
+        get: operations["list_suite_runs_api_v1_suite_runs_get"];
+        put?: never;
+        /**
+         * Post Suite Run
+         * @description Keeps what the gate of a suite decided; `drivora suite run` posts it.
+         *
+         *     The service does not decide itself: it has the runs, but not the expectations of the suite.
+         */
+        post: operations["post_suite_run_api_v1_suite_runs_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/suite-runs/{suite_run_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Suite Run
+         * @description Returns a run of a suite, with what became of its scenarios.
+         */
+        get: operations["get_suite_run_api_v1_suite_runs__suite_run_id__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/suites": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Suites
+         * @description Lists the suites that were run, the last run first.
+         */
+        get: operations["list_suites_api_v1_suites_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/suites:history": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Suite History
+         * @description Returns the last runs of a suite, and what became of each scenario in them.
+         */
+        get: operations["suite_history_api_v1_suites_history_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/tables/{table}": {
         parameters: {
             query?: never;
@@ -2641,7 +2727,7 @@ export interface components {
             revision: number;
             /**
              * Status
-             * @description Status of a run or a group of failures, state of another; empty for a study of which only the store knows.
+             * @description Status of a run or a group of failures, `failed` or `passed` of a run of a suite, state of another; empty for a study of which only the store knows.
              */
             status: string;
             /**
@@ -2656,7 +2742,7 @@ export interface components {
          * @description The kinds of objects whose changes are counted.
          * @enum {string}
          */
-        ChangedKind: "run" | "batch" | "campaign" | "study" | "minimization" | "group";
+        ChangedKind: "run" | "batch" | "campaign" | "study" | "minimization" | "group" | "suite";
         /**
          * ChangedPart
          * @description What a change of a group has changed.
@@ -3346,7 +3432,7 @@ export interface components {
          * @description What a stream may tell of: changes of objects by their kind, and the workers.
          * @enum {string}
          */
-        EventKind: "run" | "batch" | "campaign" | "study" | "minimization" | "group" | "workers";
+        EventKind: "run" | "batch" | "campaign" | "study" | "minimization" | "group" | "suite" | "workers";
         /**
          * Failure
          * @description A violation that a campaign found.
@@ -5406,6 +5492,20 @@ export interface components {
             next_page_token: string;
         };
         /**
+         * Page
+         * @description One page of a list, and the token of the next.
+         */
+        Page_SuiteRunSummary_: {
+            /** Items */
+            items: components["schemas"]["SuiteRunSummary"][];
+            /**
+             * Next Page Token
+             * @description Value of `page_token` for the next page; empty at the end.
+             * @default
+             */
+            next_page_token: string;
+        };
+        /**
          * PairResult
          * @description A run of A and one of B with the same scenario and seed.
          */
@@ -6197,6 +6297,22 @@ export interface components {
             weather_changes: components["schemas"]["WeatherChangeDocument"][];
         };
         /**
+         * ScenarioHistory
+         * @description What became of a scenario in the last runs of its suite.
+         */
+        ScenarioHistory: {
+            /**
+             * Outcomes
+             * @description One for each of these runs, in their order; null where it was not run.
+             */
+            outcomes: (components["schemas"]["SuiteOutcome-Output"] | null)[];
+            /**
+             * Scenario
+             * @description Its name in the suite.
+             */
+            scenario: string;
+        };
+        /**
          * ScenarioKind
          * @description Simulations of one kind: an ego's turn, with one kind of other actors.
          *
@@ -6275,6 +6391,12 @@ export interface components {
              */
             waypoints: number;
         };
+        /**
+         * ScenarioState
+         * @description What became of a scenario of a suite; those that need a decision come first.
+         * @enum {string}
+         */
+        ScenarioState: "fails_gate" | "not_judged" | "flaky" | "fails" | "known" | "passes";
         /**
          * SeedDocument
          * @description One of several seed scenarios.
@@ -7323,6 +7445,457 @@ export interface components {
          * @enum {string}
          */
         StudyState: "queued" | "running" | "paused" | "finished" | "failed" | "cancelled" | "interrupted";
+        /**
+         * SuiteDecision
+         * @description What a gate decided on a run of a suite.
+         */
+        SuiteDecision: {
+            /**
+             * Agent
+             * @description ADS that drove every ego; empty: as in the scenarios.
+             */
+            agent: string;
+            /**
+             * Agent Parameters
+             * @description Its parameters that were set, as `NAME=VALUE`.
+             * @default []
+             */
+            agent_parameters: string[];
+            /**
+             * Baseline
+             * @description Name of the baseline; empty without one.
+             * @default
+             */
+            baseline: string;
+            /**
+             * Counts
+             * @description Number of failures of each class.
+             */
+            counts?: {
+                [key: string]: number;
+            };
+            /**
+             * Fails
+             * @description Whether the gate fails.
+             */
+            fails: boolean;
+            /**
+             * Judged Runs
+             * @description Number of runs that were judged.
+             */
+            judged_runs: number;
+            /** @description Share of scenarios that pass, with the interval of Wilson (1927). */
+            pass_rate: components["schemas"]["SuiteEstimate-Input"];
+            /**
+             * Passing
+             * @description Number of those without a failure but known ones, all of whose runs were judged.
+             */
+            passing: number;
+            /**
+             * Reasons
+             * @description Why the gate fails, one sentence each.
+             * @default []
+             */
+            reasons: string[];
+            /**
+             * Scenarios
+             * @description Number of scenarios that were run.
+             */
+            scenarios: number;
+            /** @description Mean driving score of the scenarios, with Student's interval; null: not measurable. */
+            score?: components["schemas"]["SuiteEstimate-Input"] | null;
+            /**
+             * Sentence
+             * @description How things stand, in one sentence.
+             */
+            sentence: string;
+            /**
+             * Suite
+             * @description Name of the suite.
+             */
+            suite: string;
+            /**
+             * Versions
+             * @description Versions of the software that took part, by name.
+             */
+            versions?: {
+                [key: string]: string;
+            };
+        };
+        /**
+         * SuiteEstimate
+         * @description A share or a mean with its interval at 95 %.
+         */
+        "SuiteEstimate-Input": {
+            /**
+             * High
+             * @description Upper end; null without an interval.
+             */
+            high?: number | null;
+            /**
+             * Low
+             * @description Lower end; null without an interval.
+             */
+            low?: number | null;
+            /**
+             * Mean
+             * @description The share or the mean.
+             */
+            mean: number;
+        };
+        /**
+         * SuiteEstimate
+         * @description A share or a mean with its interval at 95 %.
+         */
+        "SuiteEstimate-Output": {
+            /**
+             * High
+             * @description Upper end; null without an interval.
+             */
+            high?: number | null;
+            /**
+             * Low
+             * @description Lower end; null without an interval.
+             */
+            low?: number | null;
+            /**
+             * Mean
+             * @description The share or the mean.
+             */
+            mean: number;
+        };
+        /**
+         * SuiteHistory
+         * @description The last runs of a suite, and what became of its scenarios in them.
+         */
+        SuiteHistory: {
+            /**
+             * Runs
+             * @description Oldest first.
+             */
+            runs: components["schemas"]["SuiteRunSummary"][];
+            /**
+             * Scenarios
+             * @description Those that any of these runs had, in the order of the last that had them; those that changed in the last run come first.
+             */
+            scenarios: components["schemas"]["ScenarioHistory"][];
+            /**
+             * Suite
+             * @description Its name.
+             */
+            suite: string;
+        };
+        /**
+         * SuiteList
+         * @description All suites that were run.
+         */
+        SuiteList: {
+            /**
+             * Items
+             * @description The last run first.
+             */
+            items: components["schemas"]["SuiteSummary"][];
+        };
+        /**
+         * SuiteOutcome
+         * @description What became of a scenario in a run of its suite.
+         */
+        "SuiteOutcome-Input": {
+            /**
+             * Failing
+             * @description Judged runs with the failure that occurs most often.
+             */
+            failing: number;
+            /**
+             * Failures
+             * @description What fails, a sentence each.
+             * @default []
+             */
+            failures: string[];
+            /**
+             * Judged
+             * @description Judged runs.
+             */
+            judged: number;
+            /**
+             * Run Id
+             * @description A run to look at: one that fails, if any does; empty if none was made.
+             */
+            run_id: string;
+            /**
+             * Scenario
+             * @description Its name in the suite.
+             */
+            scenario: string;
+            /**
+             * Score
+             * @description Mean driving score; null: not measurable.
+             */
+            score: number | null;
+            state: components["schemas"]["ScenarioState"];
+        };
+        /**
+         * SuiteOutcome
+         * @description What became of a scenario in a run of its suite.
+         */
+        "SuiteOutcome-Output": {
+            /**
+             * Failing
+             * @description Judged runs with the failure that occurs most often.
+             */
+            failing: number;
+            /**
+             * Failures
+             * @description What fails, a sentence each.
+             * @default []
+             */
+            failures: string[];
+            /**
+             * Judged
+             * @description Judged runs.
+             */
+            judged: number;
+            /**
+             * Run Id
+             * @description A run to look at: one that fails, if any does; empty if none was made.
+             */
+            run_id: string;
+            /**
+             * Scenario
+             * @description Its name in the suite.
+             */
+            scenario: string;
+            /**
+             * Score
+             * @description Mean driving score; null: not measurable.
+             */
+            score: number | null;
+            state: components["schemas"]["ScenarioState"];
+        };
+        /**
+         * SuiteRunRecord
+         * @description A run of a suite, with what became of its scenarios.
+         */
+        SuiteRunRecord: {
+            /**
+             * Agent
+             * @description ADS that drove every ego; empty: as in the scenarios.
+             */
+            agent: string;
+            /**
+             * Agent Parameters
+             * @description Its parameters that were set, as `NAME=VALUE`.
+             * @default []
+             */
+            agent_parameters: string[];
+            /**
+             * Baseline
+             * @description Name of the baseline; empty without one.
+             * @default
+             */
+            baseline: string;
+            /**
+             * Counts
+             * @description Number of failures of each class.
+             */
+            counts?: {
+                [key: string]: number;
+            };
+            /**
+             * Created At
+             * Format: date-time
+             * @description When it was told.
+             */
+            created_at: string;
+            /**
+             * Fails
+             * @description Whether the gate fails.
+             */
+            fails: boolean;
+            /**
+             * Id
+             * @description Of this run of the suite.
+             */
+            id: string;
+            /**
+             * Judged Runs
+             * @description Number of runs that were judged.
+             */
+            judged_runs: number;
+            /**
+             * Outcomes
+             * @description In the order of the suite.
+             */
+            outcomes: components["schemas"]["SuiteOutcome-Output"][];
+            /** @description Share of scenarios that pass, with the interval of Wilson (1927). */
+            pass_rate: components["schemas"]["SuiteEstimate-Output"];
+            /**
+             * Passing
+             * @description Number of those without a failure but known ones, all of whose runs were judged.
+             */
+            passing: number;
+            /**
+             * Reasons
+             * @description Why the gate fails, one sentence each.
+             * @default []
+             */
+            reasons: string[];
+            /**
+             * Revision
+             * @description Count of all changes at its newest one.
+             * @default 0
+             */
+            revision: number;
+            /**
+             * Scenarios
+             * @description Number of scenarios that were run.
+             */
+            scenarios: number;
+            /** @description Mean driving score of the scenarios, with Student's interval; null: not measurable. */
+            score?: components["schemas"]["SuiteEstimate-Output"] | null;
+            /**
+             * Sentence
+             * @description How things stand, in one sentence.
+             */
+            sentence: string;
+            /**
+             * Suite
+             * @description Name of the suite.
+             */
+            suite: string;
+            /**
+             * Versions
+             * @description Versions of the software that took part, by name.
+             */
+            versions?: {
+                [key: string]: string;
+            };
+        };
+        /**
+         * SuiteRunRequest
+         * @description A run of a suite that was decided, as `drivora suite run` tells it.
+         */
+        SuiteRunRequest: {
+            /** @description What its gate decided. */
+            decision: components["schemas"]["SuiteDecision"];
+            /**
+             * Outcomes
+             * @description What became of each scenario, in the order of the suite.
+             */
+            outcomes: components["schemas"]["SuiteOutcome-Input"][];
+        };
+        /**
+         * SuiteRunSummary
+         * @description A run of a suite in a list.
+         */
+        SuiteRunSummary: {
+            /**
+             * Agent
+             * @description ADS that drove every ego; empty: as in the scenarios.
+             */
+            agent: string;
+            /**
+             * Agent Parameters
+             * @description Its parameters that were set, as `NAME=VALUE`.
+             * @default []
+             */
+            agent_parameters: string[];
+            /**
+             * Baseline
+             * @description Name of the baseline; empty without one.
+             * @default
+             */
+            baseline: string;
+            /**
+             * Counts
+             * @description Number of failures of each class.
+             */
+            counts?: {
+                [key: string]: number;
+            };
+            /**
+             * Created At
+             * Format: date-time
+             * @description When it was told.
+             */
+            created_at: string;
+            /**
+             * Fails
+             * @description Whether the gate fails.
+             */
+            fails: boolean;
+            /**
+             * Id
+             * @description Of this run of the suite.
+             */
+            id: string;
+            /**
+             * Judged Runs
+             * @description Number of runs that were judged.
+             */
+            judged_runs: number;
+            /** @description Share of scenarios that pass, with the interval of Wilson (1927). */
+            pass_rate: components["schemas"]["SuiteEstimate-Output"];
+            /**
+             * Passing
+             * @description Number of those without a failure but known ones, all of whose runs were judged.
+             */
+            passing: number;
+            /**
+             * Reasons
+             * @description Why the gate fails, one sentence each.
+             * @default []
+             */
+            reasons: string[];
+            /**
+             * Revision
+             * @description Count of all changes at its newest one.
+             * @default 0
+             */
+            revision: number;
+            /**
+             * Scenarios
+             * @description Number of scenarios that were run.
+             */
+            scenarios: number;
+            /** @description Mean driving score of the scenarios, with Student's interval; null: not measurable. */
+            score?: components["schemas"]["SuiteEstimate-Output"] | null;
+            /**
+             * Sentence
+             * @description How things stand, in one sentence.
+             */
+            sentence: string;
+            /**
+             * Suite
+             * @description Name of the suite.
+             */
+            suite: string;
+            /**
+             * Versions
+             * @description Versions of the software that took part, by name.
+             */
+            versions?: {
+                [key: string]: string;
+            };
+        };
+        /**
+         * SuiteSummary
+         * @description A suite that was run.
+         */
+        SuiteSummary: {
+            /** @description The last of these runs. */
+            last: components["schemas"]["SuiteRunSummary"];
+            /**
+             * Runs
+             * @description How often it was run.
+             */
+            runs: number;
+            /**
+             * Suite
+             * @description Its name.
+             */
+            suite: string;
+        };
         /**
          * TableName
          * @description The tables of a study.
@@ -13055,7 +13628,7 @@ export interface operations {
                     "application/vnd.apache.parquet": string;
                     /**
                      * @example study_id,campaign_id,scenario,agent,method,repetition,seed,state,budget,evaluations,judged,invalid,failed,failing,at_fault,avoidable,active_s
-                     *     0193a5b0c4d2000000000013,0193a5b0c4d2000000000014,late braking,idm,random,1,4,finished,8,8,8,0,0,0,0,0,20.0
+                     *     0193a5b0c4d2000000000016,0193a5b0c4d2000000000017,late braking,idm,random,1,4,finished,8,8,8,0,0,0,0,0,20.0
                      */
                     "text/csv": string;
                 };
@@ -13317,6 +13890,347 @@ export interface operations {
             };
             /** @description Conflict */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    list_suite_runs_api_v1_suite_runs_get: {
+        parameters: {
+            query?: {
+                /** @description Of this suite. */
+                suite?: string;
+                /** @description Driven by this agent. */
+                agent?: string;
+                /** @description Items of a page. */
+                limit?: number;
+                /** @description `next_page_token` of the page before, of the same query. */
+                page_token?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_SuiteRunSummary_"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    post_suite_run_api_v1_suite_runs_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Name of this request, chosen by the client; sent again with the same body, it is answered as the first time and nothing is done twice. */
+                "Idempotency-Key"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SuiteRunRequest"];
+            };
+        };
+        responses: {
+            /** @description Done */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SuiteRunRecord"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_suite_run_api_v1_suite_runs__suite_run_id__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                suite_run_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SuiteRunRecord"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    list_suites_api_v1_suites_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SuiteList"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    suite_history_api_v1_suites_history_get: {
+        parameters: {
+            query: {
+                /** @description Of this suite. */
+                suite: string;
+                /** @description Driven by this agent. */
+                agent?: string;
+                /** @description Number of runs, the last ones. */
+                runs?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SuiteHistory"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
