@@ -119,6 +119,7 @@ SUITE_RUN_REQUEST: dict[str, Any] = {
     "decision": {
         "suite": "smoke",
         "agent": "idm",
+        "agent_parameters": [],
         "fails": True,
         "sentence": "Gate failed: 1 new against the baseline; 1 of 2 scenarios fail in 2 judged "
         "runs",
@@ -129,7 +130,7 @@ SUITE_RUN_REQUEST: dict[str, Any] = {
         "passing": 1,
         "judged_runs": 2,
         "pass_rate": {"mean": 0.5, "low": 0.09, "high": 0.91},
-        "score": {"mean": 82.5},
+        "score": {"mean": 82.5, "low": None, "high": None},
         "versions": {"drivora": "0.1.0"},
     },
     "outcomes": [
@@ -149,6 +150,7 @@ SUITE_RUN_REQUEST: dict[str, Any] = {
             "judged": 1,
             "score": 100.0,
             "run_id": "0193a5b0c4d200000000001e",
+            "failures": [],
         },
     ],
 }

@@ -23,6 +23,7 @@ SECTIONS = (
     "batches",
     "failures",
     "minimizations",
+    "suites",
     "networks",
     "agents",
     "workers",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 
@@ -34,8 +34,8 @@ class SuiteEstimate(Shape):
     """
 
     mean: float
-    low: float | None = None
-    high: float | None = None
+    low: float | None
+    high: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,7 +57,7 @@ class SuiteOutcome(Shape):
     judged: int
     score: float | None
     run_id: str
-    failures: tuple[str, ...] = ()
+    failures: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,18 +83,18 @@ class SuiteDecision(Shape):
 
     suite: str
     agent: str
-    agent_parameters: tuple[str, ...] = ()
+    agent_parameters: tuple[str, ...]
     fails: bool
     sentence: str
-    reasons: tuple[str, ...] = ()
-    counts: Mapping[str, int] = field(default_factory=dict)
-    baseline: str = ""
+    reasons: tuple[str, ...]
+    counts: Mapping[str, int]
+    baseline: str
     scenarios: int
     passing: int
     judged_runs: int
     pass_rate: SuiteEstimate
-    score: SuiteEstimate | None = None
-    versions: Mapping[str, str] = field(default_factory=dict)
+    score: SuiteEstimate | None
+    versions: Mapping[str, str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -29,7 +29,7 @@ DECISION = SuiteDecision(
     passing=1,
     judged_runs=4,
     pass_rate=SuiteEstimate(mean=0.5, low=0.1, high=0.9),
-    score=SuiteEstimate(mean=80.0),
+    score=SuiteEstimate(mean=80.0, low=None, high=None),
     versions={"drivora": "0.1.0"},
 )
 

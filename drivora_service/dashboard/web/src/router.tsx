@@ -79,6 +79,12 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/suites",
+    validateSearch: anySearch,
+    component: lazyScreen(() => import("./screens/suites/Suites"), "Suites"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/minimizations",
     validateSearch: anySearch,
     component: lazyScreen(() => import("./screens/minimizations/Minimizations"), "Minimizations"),

@@ -3,9 +3,11 @@
 import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Api } from "./api";
-import { REPOSITORY } from "./service";
+import { ended, REPOSITORY } from "./service";
 
 const EXAMPLES = join(REPOSITORY, "openscenario_schemas", "examples");
+
+const SUITE = "smoke";
 
 /** The same for all campaigns, so that they can be compared. */
 const SIMULATIONS = 30;
@@ -26,6 +28,8 @@ export interface Made {
   readonly otherRun: string;
   /** A minimisation that has ended, of a run of the campaign. */
   readonly minimization: string;
+  /** Name of a suite that two ADSs have driven, which fail in different scenarios. */
+  readonly suite: string;
 }
 
 interface Posted {
@@ -103,6 +107,13 @@ function smallStudy(): Record<string, unknown> {
   };
 }
 
+/** Runs a part of the shipped suite as CI does; its gate fails. */
+async function runSuite(agent: string, url: string): Promise<void> {
+  const words = ["suite", "run", SUITE, "--agent", agent, "--server", url];
+  const { code, err } = await ended(...words, "--select", "tee and (near or collision)");
+  if (code !== 1) throw new Error(`the suite ended with ${code}: ${err}`);
+}
+
 export async function postBatch(
   api: Api,
   name: string,
@@ -164,6 +175,7 @@ export async function makeData(api: Api): Promise<Made> {
   if (!minimized) throw new Error("no ego is at fault in the campaign");
   const { id: minimization } = await api.post<{ id: string }>(`/runs/${minimized.id}:minimize`);
   await api.until<Progress>(`/minimizations/${minimization}`, ({ state }) => state === "finished");
+  for (const agent of ["idm", "pdm-closed"]) await runSuite(agent, api.url);
   return {
     batches: [struck, examples],
     collisions: struck,
@@ -174,5 +186,6 @@ export async function makeData(api: Api): Promise<Made> {
     run: run.id,
     otherRun: otherRun.id,
     minimization,
+    suite: SUITE,
   };
 }

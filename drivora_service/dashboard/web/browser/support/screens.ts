@@ -31,6 +31,8 @@ export function screens(made: Made): readonly Screen[] {
       at: `/compare/batches?a=${made.paired[0]}&b=${made.paired[1]}`,
     },
     { route: "/failures", name: "failures", at: "/failures" },
+    { route: "/suites", name: "suites", at: "/suites" },
+    { route: "/suites", name: "suite", at: `/suites?suite=${made.suite}` },
     { route: "/minimizations", name: "minimizations", at: "/minimizations" },
     {
       route: "/minimizations/$id",

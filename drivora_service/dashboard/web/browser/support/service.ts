@@ -89,8 +89,21 @@ export function sleep(ms: number): Promise<void> {
   return new Promise((done) => setTimeout(done, ms));
 }
 
-/** Runs a command of Drivora and returns what it prints. */
+/** Runs a command of Drivora, which must end well, and returns what it prints. */
 export async function drivora(...words: string[]): Promise<string> {
+  const { code, out, err } = await ended(...words);
+  if (code !== 0) throw new Error(`drivora ${words.join(" ")} ended with ${code}: ${err}`);
+  return out;
+}
+
+export interface Ended {
+  readonly code: number | null;
+  readonly out: string;
+  readonly err: string;
+}
+
+/** Runs a command of Drivora, however it ends. */
+export async function ended(...words: string[]): Promise<Ended> {
   const command = spawn(PYTHON, ["-m", "drivora_service.cli", ...words], { cwd: REPOSITORY });
   let out = "";
   let err = "";
@@ -101,6 +114,5 @@ export async function drivora(...words: string[]): Promise<string> {
     err += said;
   });
   const code = await new Promise<number | null>((done) => command.once("close", done));
-  if (code !== 0) throw new Error(`drivora ${words.join(" ")} ended with ${code}: ${err}`);
-  return out;
+  return { code, out, err };
 }

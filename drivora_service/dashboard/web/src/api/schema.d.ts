@@ -7458,20 +7458,18 @@ export interface components {
             /**
              * Agent Parameters
              * @description Its parameters that were set, as `NAME=VALUE`.
-             * @default []
              */
             agent_parameters: string[];
             /**
              * Baseline
              * @description Name of the baseline; empty without one.
-             * @default
              */
             baseline: string;
             /**
              * Counts
              * @description Number of failures of each class.
              */
-            counts?: {
+            counts: {
                 [key: string]: number;
             };
             /**
@@ -7494,7 +7492,6 @@ export interface components {
             /**
              * Reasons
              * @description Why the gate fails, one sentence each.
-             * @default []
              */
             reasons: string[];
             /**
@@ -7503,7 +7500,7 @@ export interface components {
              */
             scenarios: number;
             /** @description Mean driving score of the scenarios, with Student's interval; null: not measurable. */
-            score?: components["schemas"]["SuiteEstimate-Input"] | null;
+            score: components["schemas"]["SuiteEstimate-Input"] | null;
             /**
              * Sentence
              * @description How things stand, in one sentence.
@@ -7518,7 +7515,7 @@ export interface components {
              * Versions
              * @description Versions of the software that took part, by name.
              */
-            versions?: {
+            versions: {
                 [key: string]: string;
             };
         };
@@ -7531,12 +7528,12 @@ export interface components {
              * High
              * @description Upper end; null without an interval.
              */
-            high?: number | null;
+            high: number | null;
             /**
              * Low
              * @description Lower end; null without an interval.
              */
-            low?: number | null;
+            low: number | null;
             /**
              * Mean
              * @description The share or the mean.
@@ -7552,12 +7549,12 @@ export interface components {
              * High
              * @description Upper end; null without an interval.
              */
-            high?: number | null;
+            high: number | null;
             /**
              * Low
              * @description Lower end; null without an interval.
              */
-            low?: number | null;
+            low: number | null;
             /**
              * Mean
              * @description The share or the mean.
@@ -7609,7 +7606,6 @@ export interface components {
             /**
              * Failures
              * @description What fails, a sentence each.
-             * @default []
              */
             failures: string[];
             /**
@@ -7647,7 +7643,6 @@ export interface components {
             /**
              * Failures
              * @description What fails, a sentence each.
-             * @default []
              */
             failures: string[];
             /**
@@ -7685,20 +7680,18 @@ export interface components {
             /**
              * Agent Parameters
              * @description Its parameters that were set, as `NAME=VALUE`.
-             * @default []
              */
             agent_parameters: string[];
             /**
              * Baseline
              * @description Name of the baseline; empty without one.
-             * @default
              */
             baseline: string;
             /**
              * Counts
              * @description Number of failures of each class.
              */
-            counts?: {
+            counts: {
                 [key: string]: number;
             };
             /**
@@ -7737,7 +7730,6 @@ export interface components {
             /**
              * Reasons
              * @description Why the gate fails, one sentence each.
-             * @default []
              */
             reasons: string[];
             /**
@@ -7752,7 +7744,7 @@ export interface components {
              */
             scenarios: number;
             /** @description Mean driving score of the scenarios, with Student's interval; null: not measurable. */
-            score?: components["schemas"]["SuiteEstimate-Output"] | null;
+            score: components["schemas"]["SuiteEstimate-Output"] | null;
             /**
              * Sentence
              * @description How things stand, in one sentence.
@@ -7767,7 +7759,7 @@ export interface components {
              * Versions
              * @description Versions of the software that took part, by name.
              */
-            versions?: {
+            versions: {
                 [key: string]: string;
             };
         };
@@ -7797,20 +7789,18 @@ export interface components {
             /**
              * Agent Parameters
              * @description Its parameters that were set, as `NAME=VALUE`.
-             * @default []
              */
             agent_parameters: string[];
             /**
              * Baseline
              * @description Name of the baseline; empty without one.
-             * @default
              */
             baseline: string;
             /**
              * Counts
              * @description Number of failures of each class.
              */
-            counts?: {
+            counts: {
                 [key: string]: number;
             };
             /**
@@ -7844,7 +7834,6 @@ export interface components {
             /**
              * Reasons
              * @description Why the gate fails, one sentence each.
-             * @default []
              */
             reasons: string[];
             /**
@@ -7859,7 +7848,7 @@ export interface components {
              */
             scenarios: number;
             /** @description Mean driving score of the scenarios, with Student's interval; null: not measurable. */
-            score?: components["schemas"]["SuiteEstimate-Output"] | null;
+            score: components["schemas"]["SuiteEstimate-Output"] | null;
             /**
              * Sentence
              * @description How things stand, in one sentence.
@@ -7874,7 +7863,7 @@ export interface components {
              * Versions
              * @description Versions of the software that took part, by name.
              */
-            versions?: {
+            versions: {
                 [key: string]: string;
             };
         };

@@ -167,8 +167,10 @@ function changedOf(change: Change, kind: Owned): string | undefined {
   if (change.kind === kind) return change.id;
   // What a run found may be in any group of failures.
   if (kind === "group") return change.kind === "run" ? change.id : undefined;
-  // Nothing belongs to a run or a minimisation.
-  return kind === "run" || kind === "minimization" ? undefined : change[`${kind}_id`];
+  // Nothing belongs to a run, a minimisation or a run of a suite.
+  return kind === "run" || kind === "minimization" || kind === "suite"
+    ? undefined
+    : change[`${kind}_id`];
 }
 
 /** Returns the tokens of the pages that have a changed row; the first page always, for new rows. */

@@ -7,6 +7,7 @@ export type ChangeKind =
   | "study"
   | "minimization"
   | "group"
+  | "suite"
   | "workers";
 
 export interface Change {

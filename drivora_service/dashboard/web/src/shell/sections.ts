@@ -4,6 +4,7 @@ export const SECTIONS = [
   { to: "/studies", name: "Studies", key: "s" },
   { to: "/runs", name: "Runs", key: "r" },
   { to: "/failures", name: "Failures", key: "f" },
+  { to: "/suites", name: "Suites", key: "u" },
   { to: "/batches", name: "Batches", key: "b" },
   { to: "/networks", name: "Networks", key: "n" },
   { to: "/agents", name: "Agents", key: "a" },
