@@ -30,7 +30,7 @@ it("keys lead from screen to screen, and are listed", async () => {
   await page.keyboard.press("g");
   await page.keyboard.press("c");
   await expect.poll(() => place(page)).toBe("/campaigns");
-  await drawn(page);
+  await page.locator("tbody tr").first().waitFor();
   await page.keyboard.press("?");
   await page.locator("dialog[open]").waitFor();
   const listed = await page.locator("dialog[open]").innerText();
