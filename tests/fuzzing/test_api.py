@@ -36,10 +36,10 @@ database = "none"
 [warnings]
 enabled = false
 
-# A document that its schema accepts may still be off the road or name what there is not, and
-# campaigns may not be comparable.
+# A document that its schema accepts may still be off the road or name what there is not, campaigns
+# may not be comparable, a decision may contradict its outcomes, and a baseline is a time or an id.
 [[operations]]
-include-path-regex = "(/jobs|/batches|/campaigns|/studies|:validate|:compare)$"
+include-path-regex = "(/jobs|/batches|/campaigns|/studies|/suite-runs|/failures/groups|:validate|:compare)$"
 
 [operations.checks.positive_data_acceptance]
 expected-statuses = ["2xx", "401", "403", "404", "409", "422", "429", "503"]
