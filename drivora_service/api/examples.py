@@ -130,7 +130,7 @@ SUITE_RUN_REQUEST: dict[str, Any] = {
         "passing": 1,
         "judged_runs": 2,
         "pass_rate": {"mean": 0.5, "low": 0.09, "high": 0.91},
-        "score": {"mean": 82.5, "low": None, "high": None},
+        "score": {"mean": 82.5, "low": 66.1, "high": 98.9},
         "versions": {"drivora": "0.1.0"},
     },
     "outcomes": [
