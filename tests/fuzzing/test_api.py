@@ -26,7 +26,8 @@ PREFIX = "/api/v1"
 SECONDS = os.environ.get("DRIVORA_FUZZ_SECONDS", "25")
 SEED = os.environ.get("DRIVORA_FUZZ_SEED", "1")
 
-CONFIG = """
+REFUSES = "/jobs|/batches|/campaigns|/studies|/suite-runs|/failures/groups|:validate|:compare"
+CONFIG = f"""
 [cache]
 enabled = false
 
@@ -39,7 +40,7 @@ enabled = false
 # A document that its schema accepts may still be off the road or name what there is not, campaigns
 # may not be comparable, a decision may contradict its outcomes, and a baseline is a time or an id.
 [[operations]]
-include-path-regex = "(/jobs|/batches|/campaigns|/studies|/suite-runs|/failures/groups|:validate|:compare)$"
+include-path-regex = "({REFUSES})$"
 
 [operations.checks.positive_data_acceptance]
 expected-statuses = ["2xx", "401", "403", "404", "409", "422", "429", "503"]
