@@ -110,15 +110,24 @@ it(
     await expect
       .poll(() => colleague.page.locator(".history li").first().innerText(), PATIENT)
       .toContain("Ada: noted: See the second picture.");
-    // What the colleague decides is shown here, and an older view cannot undo it.
+    // What the colleague decides is shown here, and what is being written stays; it is not saved
+    // over what the writer has not seen.
+    await page.getByLabel("Note").fill("See the third picture.");
     await api.post(`/failures/groups/${id}:decide`, { label: "crosses late", by: "Bo" });
     await expect.poll(() => page.locator("h1").innerText(), PATIENT).toBe("crosses late");
+    await page.getByRole("button", { name: "Save" }).click();
+    await page.getByRole("alert").filter({ hasText: "Bo changed the group meanwhile" }).waitFor();
+    expect((await asked(id)).note).toBe("See the second picture.");
+    await page.getByRole("button", { name: "Save" }).click();
+    await expect.poll(async () => (await asked(id)).note, PATIENT).toBe("See the third picture.");
     for (const theme of THEMES) {
       await page.emulateMedia({ colorScheme: theme });
       await shoot(page, "failure-group", theme);
       expect(await findings(page)).toEqual([]);
     }
-    expect(complaints).toEqual([]);
+    // The browser tells of the refusal alone.
+    expect(complaints.filter((said) => !said.includes("409 (Conflict)"))).toEqual([]);
+    expect(complaints.length).toBe(1);
     expect(colleague.complaints).toEqual([]);
     await colleague.context.close();
     await context.close();

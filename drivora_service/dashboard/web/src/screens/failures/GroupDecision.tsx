@@ -6,10 +6,18 @@ import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
 import { useKeys } from "../../shell/keys";
 import { useScope } from "../../shell/session";
-import { changeWords, type Group, lookOfGroup, STATUS, STATUSES } from "./triage";
+import { changeWords, type Group, type GroupStatus, lookOfGroup, STATUS, STATUSES } from "./triage";
 import { useDecisions, usePerson } from "./useDecisions";
 import { groupText } from "./words";
 import "./triage.css";
+
+/** What the reader has written and not saved, and the revision of the group that was seen then. */
+interface Written {
+  readonly label?: string;
+  readonly assignee?: string;
+  readonly note?: string;
+  readonly revision?: number;
+}
 
 /** What was decided about a group, and the form to decide: `1` to `4` set its status. */
 export function GroupDecision({ group }: { readonly group: Group }) {
@@ -17,18 +25,38 @@ export function GroupDecision({ group }: { readonly group: Group }) {
   const { decide, split } = useDecisions();
   const navigate = useNavigate();
   const [by, setBy] = usePerson();
-  const [label, setLabel] = useState(group.label);
-  const [assignee, setAssignee] = useState(group.assignee);
-  const [note, setNote] = useState(group.note);
+  // What is being written stays when somebody else, or a key, changes the group meanwhile.
+  const [written, setWritten] = useState<Written>({});
+  const { label, assignee, note } = { ...group, ...written };
+  const write = (part: Written) =>
+    setWritten((now) => ({ revision: group.revision, ...now, ...part }));
   const { id, revision } = group;
   const changed = label !== group.label || assignee !== group.assignee || note !== group.note;
-  const save = () => decide.mutate({ id, revision, label, assignee, note });
+  const save = () =>
+    decide.mutate(
+      { id, revision, ...written },
+      {
+        onSuccess: () => setWritten({}),
+        // The reader has been told: what is there now is seen.
+        onError: () => setWritten(({ revision: _, ...now }) => now),
+      },
+    );
+  const setStatus = (status: GroupStatus) =>
+    decide.mutate(
+      { id, revision, status },
+      {
+        onSuccess: (now) =>
+          setWritten((was) =>
+            was.revision === revision ? { ...was, revision: now.revision } : was,
+          ),
+      },
+    );
   useKeys(
     maySubmit
       ? STATUSES.map((status, place) => ({
           keys: String(place + 1),
           does: `status: ${STATUS[status].text}`,
-          run: () => decide.mutate({ id, revision, status }),
+          run: () => setStatus(status),
         }))
       : [],
   );
@@ -51,7 +79,7 @@ export function GroupDecision({ group }: { readonly group: Group }) {
                 aria-pressed={group.status === status}
                 title={`${STATUS[status].text} (${place + 1})`}
                 disabled={decide.isPending}
-                onClick={() => decide.mutate({ id, revision, status })}
+                onClick={() => setStatus(status)}
               >
                 <Mark {...STATUS[status]} />
               </button>
@@ -83,7 +111,7 @@ export function GroupDecision({ group }: { readonly group: Group }) {
               value={label}
               maxLength={200}
               placeholder={group.names.map(groupText).join("; ")}
-              onChange={(event) => setLabel(event.target.value)}
+              onChange={(event) => write({ label: event.target.value })}
             />
           </label>
           <label>
@@ -92,7 +120,7 @@ export function GroupDecision({ group }: { readonly group: Group }) {
               value={assignee}
               maxLength={100}
               placeholder="nobody"
-              onChange={(event) => setAssignee(event.target.value)}
+              onChange={(event) => write({ assignee: event.target.value })}
             />
           </label>
           <label>
@@ -110,7 +138,7 @@ export function GroupDecision({ group }: { readonly group: Group }) {
               value={note}
               maxLength={10_000}
               rows={1}
-              onChange={(event) => setNote(event.target.value)}
+              onChange={(event) => write({ note: event.target.value })}
             />
           </label>
           <button type="submit" className="primary" disabled={!changed || decide.isPending}>

@@ -108,7 +108,7 @@ export function GroupScreen({
       {query.isError && <Refused error={query.error} onRepeat={() => void query.refetch()} />}
       {query.data && (
         <>
-          <GroupDecision key={`${id} ${query.data.revision}`} group={query.data} />
+          <GroupDecision key={id} group={query.data} />
           {children}
           <GroupFailures group={query.data} filters={{ ...filters, group: id }} search={search} />
         </>
