@@ -15,6 +15,7 @@ from starlette.exceptions import HTTPException
 
 from drivora_service.api.context import context_of
 from drivora_service.api.methods import MethodTable
+from drivora_service.api.schemas.problems import ProblemItem
 from drivora_service.errors import (
     CampaignError,
     Conflict,
@@ -34,14 +35,6 @@ _MAX_PROBLEMS = 200
 _UNAVAILABLE_S = "5"
 
 _log = structlog.stdlib.get_logger(__name__)
-
-
-class ProblemItem(BaseModel):
-    """One problem and its place."""
-
-    pointer: str = Field(description="JSON pointer (RFC 6901) into the body; empty: all of it.")
-    code: str = Field(description="Short stable name of the kind of problem.")
-    message: str = Field(description="What was found, what is allowed, what to do.")
 
 
 class ProblemDetails(BaseModel):

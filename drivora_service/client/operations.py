@@ -139,6 +139,7 @@ class Operations:
     """
 
     validate_scenario = Answered(job_calls.validate_scenario)
+    inspect_scenario = Answered(job_calls.inspect_scenario)
     post_job = Answered(job_calls.post_job)
     jobs = Listed(job_calls.jobs)
     job = Answered(job_calls.job)
@@ -229,6 +230,7 @@ class Operations:
     network = Answered(catalogue_calls.network)
     network_geometry = Answered(catalogue_calls.network_geometry)
     agents = Answered(catalogue_calls.agents)
+    models = Answered(catalogue_calls.models)
     testers = Answered(catalogue_calls.testers)
     oracles = Answered(catalogue_calls.oracles)
     describe_metrics = Answered(catalogue_calls.describe_metrics)

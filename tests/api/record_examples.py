@@ -183,11 +183,13 @@ class _Recording:
         self._keep(examples.TESTERS, _named(self._get("/testers"), "avfuzzer"))
         self._keep(examples.MEASURES, self._get("/metrics:describe"))
         self._keep(examples.ORACLES, self._get("/oracles"))
+        self._keep(examples.MODELS, self._get("/models"))
 
     def queue(self) -> None:
         """Records jobs, batches and runs, while they wait and when they have ended."""
         validation = self._post("/scenarios:validate", examples.SCENARIO)
         self._keep(examples.VALIDATION, validation)
+        self._keep(examples.INSPECTION, self._post("/scenarios:inspect", examples.SCENARIO))
         with self._busy_worker():
             job = self._post("/jobs?label=crossing-17", _CRASH)
             self._keep(examples.QUEUED_JOB, job)

@@ -38,6 +38,24 @@ def test_agents_and_oracles(offline: Offline) -> None:
     assert all(oracle["installed"] and not oracle["package"] for oracle in oracles.values())
 
 
+def test_models_of_actors(offline: Offline) -> None:
+    models = offline.client.get("/api/v1/models").json()["items"]
+    kinds: dict[str, set[str]] = {}
+    for model in models:
+        kinds.setdefault(model["kind"], set()).add(model["name"])
+        assert model["length"] > 0.0
+        assert model["width"] > 0.0
+    assert "vehicle.audi.a2" in kinds["vehicle"] & kinds["obstacle"]
+    assert "walker.pedestrian.0001" in kinds["walker"]
+    assert "static.prop.container" in kinds["obstacle"]
+    (van,) = [
+        model
+        for model in models
+        if (model["kind"], model["name"]) == ("vehicle", "vehicle.ford.ambulance")
+    ]
+    assert (van["vehicle_class"], van["length"], van["max_speed"]) == ("van", 6.37, 45.0)
+
+
 def test_oracles_of_packages_are_listed_with_what_is_wrong_with_them(
     make_offline: MakeOffline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

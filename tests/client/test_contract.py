@@ -89,6 +89,7 @@ def test_the_catalogues(client: Client) -> None:
     assert "idm" in [agent.name for agent in client.agents().items]
     assert "random" in [tester.name for tester in client.testers().items]
     assert "collision" in [oracle.name for oracle in client.oracles().items]
+    assert "vehicle.tesla.model3" in [model.name for model in client.models().items]
 
 
 def test_a_scenario_that_can_be_run(client: Client, scenario: dict[str, Any]) -> None:
@@ -98,6 +99,15 @@ def test_a_scenario_that_can_be_run(client: Client, scenario: dict[str, Any]) ->
     for document in (text, text.encode()):
         assert client.validate_scenario(document).scenario_sha256 == valid.scenario_sha256
     assert client.validate_scenario(text, language="yaml").town == "tee-town"
+
+
+def test_a_scenario_that_is_being_written(client: Client, scenario: dict[str, Any]) -> None:
+    found = client.inspect_scenario(scenario)
+    assert (found.valid, found.town, len(found.actors)) == (True, "tee-town", 1)
+    assert found.actors[0].path[0] == pytest.approx((11.77, 19.81), abs=2.0)
+    found = client.inspect_scenario(json.dumps(broken(scenario)))
+    assert [problem.pointer for problem in found.problems] == ["/map_region/town"]
+    assert (found.valid, found.actors) == (False, ())
 
 
 def test_a_scenario_with_problems(client: Client, scenario: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""The catalogues of agents, testers, oracles and metrics."""
+"""The catalogues of agents, actor models, testers, oracles and metrics."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from drivora_service.api.schemas.catalogues import (
     AgentList,
     AgentParameter,
     MeasureList,
+    Model,
+    ModelList,
     Oracle,
     OracleList,
     Tester,
@@ -27,6 +29,7 @@ from drivora_service.errors import SearchError
 from drivora_service.feedback.descriptions import OBJECTIVES, law_objectives
 from drivora_service.metrics.descriptions import METRICS
 from drivora_service.parameters import describe_parameters
+from drivora_service.scenario.actor_models import ActorKind, actor_model, model_names
 
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
@@ -41,6 +44,25 @@ def list_agents(request: Request, context: Context) -> Response:
     """Lists the ADSs that can drive an ego."""
     items = tuple(_agent(context.agents, name) for name in context.agents.names())
     return json_answer(request, AgentList, AgentList(items=items))
+
+
+@router.get("/models", response_model=ModelList, responses=answers(examples.MODELS, 401, 403))
+def list_models(request: Request) -> Response:
+    """Lists the models of vehicles, walkers and obstacles that documents can name."""
+    models = [actor_model(kind, name) for kind in ActorKind for name in model_names(kind)]
+    items = tuple(
+        Model(
+            name=model.name,
+            kind=model.kind,
+            vehicle_class=model.vehicle_class,
+            length=model.length,
+            width=model.width,
+            height=model.height,
+            max_speed=model.max_speed,
+        )
+        for model in models
+    )
+    return json_answer(request, ModelList, ModelList(items=items))
 
 
 @router.get("/testers", response_model=TesterList, responses=answers(examples.TESTERS, 401, 403))

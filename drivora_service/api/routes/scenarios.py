@@ -1,4 +1,4 @@
-"""Checking a scenario without running it."""
+"""Checking a scenario without running it, and what an editor shows of it."""
 
 from __future__ import annotations
 
@@ -9,10 +9,16 @@ from fastapi import Depends, Request
 from drivora_service.api import bodies, examples
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers, scenario_body
+from drivora_service.api.lookups import KnownAgents, KnownNetworks
 from drivora_service.api.parameters import RunOverrides
 from drivora_service.api.resource_router import resource_router
-from drivora_service.api.schemas.service import Validation
-from drivora_service.api.security import submitter
+from drivora_service.api.schemas.problems import ProblemItem
+from drivora_service.api.schemas.service import (
+    InspectedActor,
+    Inspection,
+    Validation,
+)
+from drivora_service.api.security import reader, submitter
 from drivora_service.api.submission import Checker, check_overrides
 from drivora_service.scenario.canonical import canonical_json
 
@@ -41,4 +47,45 @@ def validate_scenario(
         agents=(overrides.agent,) if overrides.agent else tuple(agents),
         scenario_sha256=hashlib.sha256(text.encode()).hexdigest(),
         notes=valid.notes,
+    )
+
+
+@router.post(
+    "/scenarios:inspect",
+    response_model=Inspection,
+    responses=answers(examples.INSPECTION, 401, 403, 413, 415, 422),
+    openapi_extra=scenario_body(examples.SCENARIO),
+    dependencies=[Depends(reader)],
+)
+def inspect_scenario(request: Request, context: Context, body: bodies.RawBody) -> Inspection:
+    """Returns the problems of a scenario, and its actors with their ways, valid or not."""
+    # Imported here: it needs the compiler of kernels.
+    from drivora_service.scenario.inspection import inspect_data
+
+    form = bodies.document_format(request)
+    agents = KnownAgents(context.agents.availability())
+    found = inspect_data(body, KnownNetworks(context.networks), agents, form)
+    return Inspection(
+        valid=not found.problems,
+        town=found.town,
+        problems=tuple(
+            ProblemItem(pointer=one.pointer, code=one.code, message=one.message)
+            for one in found.problems
+        ),
+        notes=found.notes,
+        actors=tuple(
+            InspectedActor(
+                pointer=actor.pointer,
+                id=actor.id,
+                kind=actor.kind,
+                x=actor.x,
+                y=actor.y,
+                yaw=actor.yaw,
+                length=actor.length,
+                width=actor.width,
+                path=tuple(map(tuple, actor.path.round(2).tolist())),
+                path_length=round(actor.path_length, 2),
+            )
+            for actor in found.actors
+        ),
     )

@@ -12,6 +12,7 @@ from drivora_service.oracles.descriptions import (
     ThresholdDescription,
     ViolatedBy,
 )
+from drivora_service.scenario.actor_models import ActorKind, VehicleClass
 
 
 class NetworkSummary(Schema):
@@ -37,6 +38,24 @@ class Network(Schema):
     traffic_lights: int
     has_sidewalks: bool
     geometry_url: str
+
+
+class Model(Schema):
+    """A model of actors."""
+
+    name: str
+    kind: ActorKind
+    vehicle_class: VehicleClass | None = Field(description="null if it is not a vehicle.")
+    length: float = Field(description="Metres.")
+    width: float = Field(description="Metres.")
+    height: float = Field(description="Metres.")
+    max_speed: float = Field(description="m/s; 0 if it does not move.")
+
+
+class ModelList(Schema):
+    """All models of actors."""
+
+    items: tuple[Model, ...]
 
 
 class AgentParameter(Schema):

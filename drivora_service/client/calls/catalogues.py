@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.catalogues import (
         AgentList,
         MeasureList,
+        ModelList,
         Network,
         NetworkList,
         OracleList,
@@ -47,6 +48,13 @@ def agents() -> Call[AgentList]:
     from drivora_service.api.schemas.catalogues import AgentList
 
     return get(f"{PREFIX}/agents", AgentList)
+
+
+def models() -> Call[ModelList]:
+    """Returns the models of vehicles, walkers and obstacles that documents can name."""
+    from drivora_service.api.schemas.catalogues import ModelList
+
+    return get(f"{PREFIX}/models", ModelList)
 
 
 def testers() -> Call[TesterList]:

@@ -23,7 +23,7 @@ from drivora_service.client.call import (
 if TYPE_CHECKING:
     from drivora_service.api.schemas.batches import Batch, BatchSubmission
     from drivora_service.api.schemas.jobs import Job
-    from drivora_service.api.schemas.service import Validation
+    from drivora_service.api.schemas.service import Inspection, Validation
     from drivora_service.store.records import JobFilter, Priority, RunSummary
     from drivora_service.suites.counted import Counted
     from drivora_service.suites.paired.comparison import BatchComparison
@@ -58,6 +58,27 @@ def validate_scenario(
         document_bytes(document),
         language=language,
         query=_overrides(agent, agent_parameters, seed),
+        only_checks=True,
+    )
+
+
+def inspect_scenario(document: Document, *, language: Language = "json") -> Call[Inspection]:
+    """Returns the problems of a scenario, and its actors with their ways, valid or not.
+
+    Args:
+        document: The scenario.
+        language: Language of its text.
+
+    Raises:
+        InvalidDocument: The text cannot be read at all.
+    """
+    from drivora_service.api.schemas.service import Inspection
+
+    return post(
+        f"{PREFIX}/scenarios:inspect",
+        Inspection,
+        document_bytes(document),
+        language=language,
         only_checks=True,
     )
 
