@@ -11,8 +11,8 @@ from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers, scenario_body
 from drivora_service.api.lookups import KnownAgents, KnownNetworks
 from drivora_service.api.parameters import RunOverrides
+from drivora_service.api.problems import problem_items
 from drivora_service.api.resource_router import resource_router
-from drivora_service.api.schemas.problems import ProblemItem
 from drivora_service.api.schemas.service import (
     InspectedActor,
     Inspection,
@@ -68,10 +68,7 @@ def inspect_scenario(request: Request, context: Context, body: bodies.RawBody) -
     return Inspection(
         valid=not found.problems,
         town=found.town,
-        problems=tuple(
-            ProblemItem(pointer=one.pointer, code=one.code, message=one.message)
-            for one in found.problems
-        ),
+        problems=tuple(problem_items(found.problems)),
         notes=found.notes,
         actors=tuple(
             InspectedActor(

@@ -8,8 +8,8 @@ from typing import Any
 
 from pydantic import Field
 
-from drivora_service.api.problems import ProblemItem
 from drivora_service.api.schemas.base import Schema
+from drivora_service.api.schemas.problems import ProblemItem
 from drivora_service.scenario import fields
 from drivora_service.shapes import Shape, combine
 from drivora_service.store import records
