@@ -24,6 +24,7 @@ SECTIONS = (
     "failures",
     "minimizations",
     "suites",
+    "author",
     "networks",
     "agents",
     "workers",

@@ -146,6 +146,12 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/author",
+    validateSearch: anySearch,
+    component: lazyScreen(() => import("./screens/author/Author"), "Author"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/networks",
     validateSearch: anySearch,
     component: lazyScreen(() => import("./screens/networks/Networks"), "Networks"),

@@ -49,6 +49,7 @@ export function screens(made: Made): readonly Screen[] {
     { route: "/agents", name: "agents", at: "/agents" },
     { route: "/workers", name: "workers", at: "/workers" },
     { route: "/session", name: "session", at: "/session" },
+    { route: "/author", name: "author", at: `/author?run=${made.run}` },
     { route: "/networks", name: "networks", at: "/networks" },
     { route: "/networks/$name", name: "network", at: "/networks/tee-town" },
   ];

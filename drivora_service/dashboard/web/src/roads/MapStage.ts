@@ -7,6 +7,14 @@ import type { Palette } from "./palette";
 type CameraListener = (camera: Camera, byHand: boolean) => void;
 type PlaceListener = (x: number, y: number, event: PointerEvent) => void;
 
+/** What is dragged instead of the map. */
+export interface Grip {
+  readonly move: (x: number, y: number, event: PointerEvent) => void;
+  readonly drop: () => void;
+  /** The browser took the gesture over. */
+  readonly cancel: () => void;
+}
+
 const CLICK_PX = 4;
 const WHEEL = 0.0015;
 
@@ -23,6 +31,8 @@ export class MapStage {
   onHover: PlaceListener | undefined;
   onLeave: (() => void) | undefined;
   onClick: PlaceListener | undefined;
+  /** Returns what is dragged from a place; undefined drags the map. */
+  onGrab: ((x: number, y: number, event: PointerEvent) => Grip | undefined) | undefined;
   /** Called when the reader begins to drag the map. */
   onDrag: (() => void) | undefined;
   /** Whether the wheel comes nearer to the middle, not to the pointer. */
@@ -37,7 +47,9 @@ export class MapStage {
   private gone = false;
   private shown: Camera = { x: 0, y: 0, scale: 1 };
   private px: Size = { width: 1, height: 1 };
-  private held: { x: number; y: number; camera: Camera; moved: boolean } | undefined;
+  private held:
+    | { x: number; y: number; camera: Camera; moved: boolean; grip: Grip | undefined }
+    | undefined;
 
   private constructor(private readonly frameElement: HTMLElement) {
     this.root.addChild(this.world, this.screen);
@@ -162,7 +174,10 @@ export class MapStage {
       (event) => {
         if (event.button !== 0) return;
         canvas.setPointerCapture(event.pointerId);
-        this.held = { x: event.clientX, y: event.clientY, camera: this.shown, moved: false };
+        const at = toWorld(this.shown, this.px, event.offsetX, event.offsetY);
+        const grip = this.onGrab?.(...at, event);
+        const { clientX: x, clientY: y } = event;
+        this.held = { x, y, camera: this.shown, moved: false, grip };
       },
       { signal },
     );
@@ -172,7 +187,8 @@ export class MapStage {
       (event) => {
         const held = this.held;
         this.held = undefined;
-        if (held && !held.moved) this.tell(this.onClick, event);
+        if (held?.moved) held.grip?.drop();
+        else if (held) this.tell(this.onClick, event);
       },
       { signal },
     );
@@ -181,7 +197,9 @@ export class MapStage {
       canvas.addEventListener(
         end,
         () => {
+          const held = this.held;
           this.held = undefined;
+          if (held?.moved) held.grip?.cancel();
         },
         { signal },
       );
@@ -199,7 +217,12 @@ export class MapStage {
     if (!held.moved) {
       if (Math.hypot(dx, dy) < CLICK_PX) return;
       held.moved = true;
-      this.onDrag?.();
+      if (!held.grip) this.onDrag?.();
+    }
+    if (held.grip) {
+      const [x, y] = toWorld(this.shown, this.px, event.offsetX, event.offsetY);
+      held.grip.move(x, y, event);
+      return;
     }
     const { x, y, scale } = held.camera;
     this.look({ x: x - dx / scale, y: y + dy / scale, scale }, true);

@@ -37,11 +37,16 @@ export class LaneIndex {
     return this.lines.get(lane) ?? [];
   }
 
-  /** Returns the lane at a place: of several, the one whose centre is nearest for its width. */
-  at(x: number, y: number): LanePlace | undefined {
+  /**
+   * Returns the lane at a place: of several, the one whose centre is nearest for its width.
+   *
+   * Lanes that are not wanted are passed over.
+   */
+  at(x: number, y: number, wanted: (lane: Lane) => boolean = () => true): LanePlace | undefined {
     let best: LanePlace | undefined;
     let bestShare = Number.POSITIVE_INFINITY;
     for (const lane of this.cells.get(cellAt(x, y)) ?? []) {
+      if (!wanted(lane)) continue;
       const line = this.lineOf(lane);
       const foot = footOn(line, x, y);
       // The outline of a walking area is all of it; other lanes are strips around their line.

@@ -40,7 +40,7 @@ export function nameOf(event: KeyboardEvent): string {
   return event.shiftKey && key.length > 1 ? `shift+${key}` : key;
 }
 
-function isTyping(target: EventTarget | null): boolean {
+function isTyping(target: EventTarget | null | undefined): boolean {
   return (
     target instanceof HTMLElement &&
     (target.isContentEditable ||
@@ -60,7 +60,13 @@ function isPressing(event: KeyboardEvent): boolean {
 
 export function handleKey(event: KeyboardEvent): void {
   if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
-  if (isTyping(event.target) || isPressing(event) || document.querySelector("dialog[open]")) return;
+  // Inside a shadow tree the event's target is its host.
+  if (
+    isTyping(event.composedPath()[0]) ||
+    isPressing(event) ||
+    document.querySelector("dialog[open]")
+  )
+    return;
   const name = nameOf(event);
   const both = event.timeStamp - firstAt < SECOND_KEY_MS ? `${first} ${name}` : "";
   const actions = keysNow();

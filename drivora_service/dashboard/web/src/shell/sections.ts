@@ -6,6 +6,7 @@ export const SECTIONS = [
   { to: "/failures", name: "Failures", key: "f" },
   { to: "/suites", name: "Suites", key: "u" },
   { to: "/batches", name: "Batches", key: "b" },
+  { to: "/author", name: "Author", key: "d" },
   { to: "/networks", name: "Networks", key: "n" },
   { to: "/agents", name: "Agents", key: "a" },
   { to: "/workers", name: "Workers", key: "w" },

@@ -8,6 +8,7 @@ import { useKeys } from "../../shell/keys";
 import { ActorList } from "./ActorList";
 import { AgentLog } from "./AgentLog";
 import { readState, stretchWords, TRAILS, trailsText } from "./address";
+import { avoidableUntil } from "./avoidable";
 import { CompareChoice } from "./CompareChoice";
 import { Caption, CompareLine } from "./CompareLine";
 import { Controls } from "./Controls";
@@ -139,17 +140,8 @@ function Player({
   const egoId = recording.actors.find(({ row }) => row === ego)?.id ?? "";
   const laws = useMemo(() => lawCurves(run.verdicts, egoId), [run, egoId]);
   const { data: timeline } = useTimeline(run.id);
-  const untilOf = (verdict: Schemas["Verdict"]) => {
-    const mark = timeline?.violations.find(
-      ({ oracle, ego, first, counterpart }) =>
-        oracle === verdict.oracle &&
-        ego === verdict.ego &&
-        first === verdict.step &&
-        counterpart === verdict.counterpart,
-    );
-    const until = mark?.avoidable_until;
-    return typeof until === "number" ? until * recording.stepLength : null;
-  };
+  const untilOf = (verdict: Schemas["Verdict"]) =>
+    avoidableUntil(timeline?.violations ?? NONE, verdict, recording.stepLength);
   const jump = (time: number) => {
     clock.pause();
     clock.seek(time);

@@ -1,13 +1,14 @@
 import { Container, Graphics, Text } from "pixi.js";
 import type { Schemas } from "../../api/client";
+import { colourOfActor } from "../../roads/actorShapes";
 import { type Box, type Camera, type Size, toScreen } from "../../roads/camera";
 import { dashes } from "../../roads/lines";
+import { patchLayer } from "../../roads/patchLayer";
 import type { DrawnMap } from "../../roads/RoadMap";
 import { trace } from "../../roads/roadLayer";
-import { ActorLayer, colourOfActor, type Look } from "./actorLayer";
+import { ActorLayer, type Look } from "./actorLayer";
 import { PerceptionLayer } from "./PerceptionLayer";
 import { PlanLayer } from "./PlanLayer";
-import { patchLayer } from "./patchLayer";
 import type { PerceivedActors } from "./perception";
 import type { AgentTold } from "./plans";
 import type { Recording } from "./recording";

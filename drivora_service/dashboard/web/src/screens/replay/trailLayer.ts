@@ -1,6 +1,6 @@
 import { Buffer, BufferUsage, Geometry, GlProgram, Mesh, Shader, UniformGroup } from "pixi.js";
+import { colourOfActor } from "../../roads/actorShapes";
 import type { Palette } from "../../roads/palette";
-import { colourOfActor } from "./actorLayer";
 import type { Recording } from "./recording";
 
 const EVERY_S = 0.25;

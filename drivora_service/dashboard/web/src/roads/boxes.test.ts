@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { outlineOf } from "./patches";
+import { outlineOf } from "./boxes";
 
 const patch = { id: "ice", x: 10, y: 20, yaw: 0, length: 8, width: 2, friction: 0.2 };
 

@@ -1,16 +1,20 @@
 import { Graphics } from "pixi.js";
-import { dashes } from "../../roads/lines";
-import type { Palette } from "../../roads/palette";
-import { trace } from "../../roads/roadLayer";
-import { outlineOf } from "./patches";
-import type { FrictionPatch } from "./recording";
+import { outlineOf, type Rectangle } from "./boxes";
+import { dashes } from "./lines";
+import type { Palette } from "./palette";
+import { trace } from "./roadLayer";
 
 const EDGE_M = 0.25;
 /** Of a road of coefficient 1 a patch hides nothing, of 0 half. */
 const MOST_COVER = 0.5;
 
+/** A slippery rectangle of the road; its friction is a coefficient. */
+export interface Patch extends Rectangle {
+  readonly friction: number;
+}
+
 /** Draws slippery patches: the less friction, the more they cover the road. */
-export function patchLayer(patches: readonly FrictionPatch[], palette: Palette): Graphics {
+export function patchLayer(patches: readonly Patch[], palette: Palette): Graphics {
   const layer = new Graphics();
   for (const patch of patches) {
     const outline = outlineOf(patch);

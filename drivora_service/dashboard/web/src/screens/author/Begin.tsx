@@ -1,0 +1,52 @@
+import { useState } from "react";
+import { FileChoice } from "./FileChoice";
+import { emptyScenario } from "./scenario";
+import type { Draft } from "./useDraft";
+
+/** The first step of a scenario: its network, or a file. */
+export function Begin({
+  draft,
+  networks,
+  town,
+}: {
+  readonly draft: Draft;
+  readonly networks: readonly string[];
+  /** The network that the draft names, and that is not there; "" for none. */
+  readonly town: string;
+}) {
+  const [refusal, setRefusal] = useState("");
+  return (
+    <>
+      <div className="head">
+        <h1>Author</h1>
+        <p className="answer">Write a scenario on the map, and see at once how it is driven</p>
+      </div>
+      <section className="state author-begin">
+        {town && (
+          <p role="alert">
+            The scenario takes place on <code>{town}</code>, which is not among the networks here.
+            Import it, or choose another network.
+          </p>
+        )}
+        <h2>On which network?</h2>
+        <ul className="author-towns">
+          {networks.map((name) => (
+            <li key={name}>
+              <button type="button" onClick={() => draft.open(emptyScenario(name))}>
+                {name}
+              </button>
+            </li>
+          ))}
+        </ul>
+        <p>
+          Or open a scenario: <FileChoice onOpen={draft.open} onRefused={setRefusal} />
+        </p>
+        {refusal && (
+          <p role="alert" className="problem">
+            {refusal}
+          </p>
+        )}
+      </section>
+    </>
+  );
+}
