@@ -73,7 +73,7 @@ export function ActorProperties({
     <section className="panel author-part" aria-label="Properties of the actor">
       <header>
         <h2>
-          {NOUNS[list]} <code>{String(actor.id ?? "")}</code>
+          {titleOf(list)} <code>{String(actor.id ?? "")}</code>
         </h2>
         <button type="button" className="plain quiet" onClick={onClose} title="Close (escape)">
           ✕<span className="hidden-visually">Close</span>
@@ -124,4 +124,9 @@ export function ActorProperties({
       </div>
     </section>
   );
+}
+
+function titleOf(list: ListName): string {
+  const noun = NOUNS[list];
+  return noun.charAt(0).toUpperCase() + noun.slice(1);
 }

@@ -27,7 +27,7 @@ export function AgentChoice({
   };
   return (
     <>
-      <div className="field">
+      <div className="field" data-kind="choice">
         <label htmlFor={fieldId(place)}>ADS</label>
         <span className="control">
           <select

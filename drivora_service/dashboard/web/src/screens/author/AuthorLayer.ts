@@ -149,12 +149,14 @@ export class AuthorLayer {
     const node = new Container();
     const color = colourOfActor({ role, row: actor.row }, palette);
     const isChosen = actor.pointer === this.chosen.actor;
-    if (isChosen || actor.hasProblem)
+    if (isChosen || actor.hasProblem) {
+      const width = 0.08 + 0.12 * Math.min(actor.width, 2);
       node.addChild(
         new Graphics()
-          .poly(around({ ...actor, x: 0, y: 0, yaw: 0 }, 0.7))
-          .stroke({ width: 0.35, color: actor.hasProblem ? palette.violation : palette.accent }),
+          .poly(around({ ...actor, x: 0, y: 0, yaw: 0 }, 2 * width))
+          .stroke({ width, color: actor.hasProblem ? palette.violation : palette.accent }),
       );
+    }
     node.addChild(new Graphics(wholeShape({ ...actor, role }, color, palette)));
     node.position.set(actor.x, actor.y);
     node.rotation = actor.yaw;

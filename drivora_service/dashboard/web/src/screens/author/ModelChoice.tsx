@@ -29,7 +29,7 @@ export function ModelChoice({
   const problems = problemsOf(editing)(pointer);
   const chosen = own.find(({ name }) => name === value);
   return (
-    <div className="field">
+    <div className="field" data-kind="choice">
       <label htmlFor={fieldId(pointer)}>Model</label>
       <span className="control">
         <select

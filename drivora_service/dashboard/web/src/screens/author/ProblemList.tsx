@@ -1,6 +1,6 @@
 import type { Schemas } from "../../api/client";
-import { isObject, type JsonObject, keysOf, valueAt } from "../../components/fields/pointers";
-import { actorOf } from "./scenario";
+import type { JsonObject } from "../../components/fields/pointers";
+import { placeWords } from "./placeWords";
 
 /** Everything that is wrong, or worth knowing; a press goes to its place. */
 export function ProblemList({
@@ -24,8 +24,10 @@ export function ProblemList({
         {unreadable && <li className="problem">{unreadable} The map shows what was read last.</li>}
         {problems.map(({ pointer, code, message }) => (
           <li key={`${pointer} ${code} ${message}`}>
-            <button type="button" className="plain" onClick={() => onGo(pointer)}>
-              <span className="problem">✕ {placeWords(scenario, pointer)}</span> {message}
+            <button type="button" className="plain problem" onClick={() => onGo(pointer)}>
+              <span>
+                <strong>{placeWords(scenario, pointer)}</strong> {message}
+              </span>
             </button>
           </li>
         ))}
@@ -37,16 +39,4 @@ export function ProblemList({
       </ul>
     </section>
   );
-}
-
-/** Returns the words for a place of the document: the actor's id, and the rest of its pointer. */
-export function placeWords(scenario: JsonObject, pointer: string): string {
-  const actor = actorOf(pointer);
-  if (!actor) return pointer === "" ? "scenario" : keysOf(pointer).join(" ").replaceAll("_", " ");
-  const item = valueAt(scenario, actor);
-  const id = isObject(item) && typeof item.id === "string" ? item.id : actor;
-  const rest = keysOf(pointer.slice(actor.length));
-  const [what, index, ...further] = rest;
-  if (what === "route" && index !== undefined) return [id, `place ${index}`, ...further].join(" ");
-  return [id, ...rest].join(" ").replaceAll("_", " ");
 }

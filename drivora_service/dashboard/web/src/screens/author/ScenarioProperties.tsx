@@ -38,7 +38,7 @@ export function ScenarioProperties({
         <h2>Scenario</h2>
       </header>
       <div className="inside">
-        <div className="field">
+        <div className="field" data-kind="choice">
           <label htmlFor={fieldId("/map_region/town")}>Network</label>
           <span className="control">
             <select

@@ -68,8 +68,9 @@ export function TextEditor({
           syntaxHighlighting(wordColours),
           spoken.current.of(languageOf(begin.language)),
           look.current.of(lookOfText(begin.theme === "dark")),
-          EditorView.contentAttributes.of({ "aria-label": "Text of the scenario" }),
+          EditorView.contentAttributes.of({ "aria-label": "Text of the scenario", tabindex: "0" }),
           keymap.of([...defaultKeymap, ...historyKeymap]),
+          EditorView.domEventHandlers({ beforeinput: insertTyped }),
           EditorView.updateListener.of((update) => {
             if (update.docChanged && !update.transactions.some((one) => one.isUserEvent("outside")))
               told.current(update.state.doc.toString());
@@ -125,4 +126,20 @@ export function TextEditor({
 
 function languageOf(language: Language) {
   return language === "json" ? json() : yaml();
+}
+
+/**
+ * Writes what is typed itself.
+ *
+ * The browser keeps the look of replaced text by inline styles, which the page's policy refuses.
+ */
+function insertTyped(event: InputEvent, view: EditorView): boolean {
+  const { data, inputType, isComposing } = event;
+  if (inputType !== "insertText" || data === null || isComposing || view.composing) return false;
+  view.dispatch(view.state.replaceSelection(data), {
+    userEvent: "input.type",
+    scrollIntoView: true,
+  });
+  event.preventDefault();
+  return true;
 }

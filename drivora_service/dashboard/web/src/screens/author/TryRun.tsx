@@ -19,6 +19,7 @@ import { VerdictLine } from "../replay/VerdictLine";
 import { lookOfRun } from "../runs/status";
 
 const ASK_AGAIN_MS = 500;
+const SIGHT_PX = 350;
 
 /** A run of the scenario that is written, on the map where it is written. */
 export function TryRun({
@@ -88,8 +89,8 @@ function Player({
   const [follow, setFollow] = useState("");
   const map = useRef<MapHandle>(null);
   const { data: timeline } = useTimeline(run.id);
-  // The map stands where the reader was writing.
-  const [first] = useState(camera);
+  // The map stands where the reader was writing, unless no ego begins there.
+  const [first] = useState(() => (camera && seesEgo(camera, recording) ? camera : undefined));
   const state = useMemo(() => ({ ...readState({}), camera: first, follow }), [first, follow]);
   useEffect(() => {
     clock.play();
@@ -128,5 +129,13 @@ function Player({
       />
       <Controls clock={clock} />
     </>
+  );
+}
+
+/** Whether an ego begins near the middle of a camera, as far as most windows reach. */
+function seesEgo({ x, y, scale }: Camera, recording: Recording): boolean {
+  const reach = SIGHT_PX / scale;
+  return Array.from({ length: recording.egos }).some(
+    (_, ego) => Math.hypot((recording.x[ego] ?? 0) - x, (recording.y[ego] ?? 0) - y) < reach,
   );
 }

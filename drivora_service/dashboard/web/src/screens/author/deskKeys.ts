@@ -28,20 +28,21 @@ export function oneOf(list: ListName): string {
 
 /** Returns the keys of the desk. */
 export function deskKeys(desk: Desk, map: () => AuthorMapHandle | null): readonly KeyAction[] {
+  const placeAtMiddle = () => {
+    const middle = map()?.middle(desk.tool);
+    if (middle) desk.place(middle);
+  };
   return [
     ...LISTS.map((list) => ({
       keys: PLACE_KEYS[list],
       does: `place ${oneOf(list)}`,
       run: () => desk.use({ kind: "add", list }),
     })),
+    { keys: "space", does: "place at the middle of the map", run: placeAtMiddle },
     {
       keys: "enter",
       does: "place at the middle of the map; end a route",
-      run: () => {
-        const middle = map()?.middle(desk.tool);
-        if (desk.tool.kind === "add" && middle) desk.place(middle);
-        else desk.end();
-      },
+      run: () => (desk.tool.kind === "add" ? placeAtMiddle() : desk.end()),
     },
     { keys: "escape", does: "end a route; choose nothing", run: desk.leave },
     { keys: "r", does: "extend the route of what is chosen", run: desk.extend },

@@ -74,7 +74,7 @@ function turns(geometry: Geometry, wanted: PlaceKind): KindPlace[] {
       const from = lanes.get(stop.lane);
       if (kind !== wanted || !from?.drivable) return [];
       const via = movement.via.flatMap((id) => lanes.get(id) ?? []);
-      const onto = geometry.lanes.find((lane) => lane.edge === movement.to_edge && lane.drivable);
+      const onto = laneAfter(geometry, via.at(-1) ?? from, movement.to_edge);
       const before = flat(from.shape);
       const length = lengthOf(before);
       const part = partOf(before, Math.max(length - AROUND_M, 0), length);
@@ -95,6 +95,19 @@ function turns(geometry: Geometry, wanted: PlaceKind): KindPlace[] {
       ];
     }),
   );
+}
+
+/** Returns the drivable lane of an edge that begins where another ends. */
+function laneAfter(
+  geometry: Geometry,
+  before: Schemas["LaneGeometry"],
+  edge: string,
+): Schemas["LaneGeometry"] | undefined {
+  const [x = 0, y = 0] = before.shape.at(-1) ?? [];
+  const away = ({ shape: [begin] }: Schemas["LaneGeometry"]) =>
+    Math.hypot((begin?.[0] ?? Number.POSITIVE_INFINITY) - x, (begin?.[1] ?? 0) - y);
+  const lanes = geometry.lanes.filter((lane) => lane.edge === edge && lane.drivable);
+  return lanes.toSorted((a, b) => away(a) - away(b))[0];
 }
 
 function street(lane: Schemas["LaneGeometry"]): string {

@@ -26,7 +26,15 @@ export function readText(text: string, language: Language): Read {
   const parsed = parseDocument(text, { merge: false });
   const [error] = parsed.errors;
   if (error) return wrong(`This is no YAML: ${error.message}`, ...error.pos);
-  return asDocument(parsed.toJS({ maxAliasCount: 0 }) as Json, wrong);
+  let alias: readonly [number, number] | undefined;
+  visit(parsed, {
+    Alias: (_, { range }) => {
+      alias = range ? [range[0], range[1]] : [0, 0];
+      return visit.BREAK;
+    },
+  });
+  if (alias) return wrong("This is no YAML of a scenario: aliases are not allowed.", ...alias);
+  return asDocument(parsed.toJS() as Json, wrong);
 }
 
 function asDocument(value: Json, wrong: (error: string) => Read): Read {

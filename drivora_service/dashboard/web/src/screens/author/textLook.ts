@@ -16,7 +16,7 @@ export function lookOfText(dark: boolean): Extension {
   return EditorView.theme(
     {
       "&": { height: "100%", backgroundColor: "var(--raised)", color: "var(--ink)" },
-      "&.cm-focused": { outline: "2px solid var(--focus)", outlineOffset: "-2px" },
+      "&.cm-focused": { outline: "none" },
       ".cm-scroller": { fontFamily: "var(--mono)", fontSize: "12px", lineHeight: "1.5" },
       ".cm-gutters": {
         backgroundColor: "var(--raised)",

@@ -61,14 +61,20 @@ function One({
   if (query.isError) return <Refused error={query.error} onRepeat={() => void query.refetch()} />;
   return (
     <>
-      <Verdicts evaluation={query.data} />
+      <Verdicts campaign={campaign.id} evaluation={query.data} />
       <Lineage campaign={campaign.id} evaluation={query.data} />
       <Measured evaluation={query.data} />
     </>
   );
 }
 
-function Verdicts({ evaluation }: { readonly evaluation: Evaluation }) {
+function Verdicts({
+  campaign,
+  evaluation,
+}: {
+  readonly campaign: string;
+  readonly evaluation: Evaluation;
+}) {
   const { failures, failure_kinds, accountability, number, status, cause, run_id, run_url } =
     evaluation;
   const command = replayCommand(run_id, window.location.origin);
@@ -100,6 +106,16 @@ function Verdicts({ evaluation }: { readonly evaluation: Evaluation }) {
               search={replayUpTo(failures[0]?.time)}
             >
               Replay
+            </Link>
+          )}
+          {evaluation.scenario_url && (
+            <Link
+              className="button"
+              to="/author"
+              search={{ campaign, evaluation: String(evaluation.number) }}
+              title="Change the scenario on the map, and run it"
+            >
+              Edit
             </Link>
           )}
           {evaluation.scenario_url && (

@@ -42,6 +42,14 @@ export function Run() {
             text={againCommand(run, window.location.origin)}
             label="Copy the command that runs it again"
           />
+          <Link
+            to="/author"
+            search={{ run: run.id }}
+            className="button"
+            title="Change the scenario on the map, and run it"
+          >
+            Edit
+          </Link>
           <a className="button" href={`/api/v1/runs/${run.id}/scenario`}>
             Scenario
           </a>
