@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
+import shapely
 
 from drivora_service.errors import NoRoute, Problem
 from drivora_service.geometry.arrays import FloatArray
@@ -24,6 +25,9 @@ from drivora_service.scenario.placed_actors import PlacedActor
 from drivora_service.scenario.problems import in_document_order
 from drivora_service.scenario.route_checks import JOIN_DISTANCE, check_route, route_points
 from drivora_service.scenario.validation import validate_data
+
+_SEEN = 0.02
+"""Metres by which a way on a map may be beside the planned one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,8 +153,16 @@ def _actor(
         yaw=yaw,
         length=model.length,
         width=model.width,
-        path=_path(actor, network),
+        path=_thinned(_path(actor, network)),
     )
+
+
+def _thinned(path: FloatArray) -> FloatArray:
+    """Returns a path without the points that do not matter on a map."""
+    if len(path) < 3:
+        return path
+    line = shapely.LineString(path).simplify(_SEEN)
+    return np.array(line.coords)
 
 
 def _path(actor: PlacedActor, network: RoadNetwork) -> FloatArray:

@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
 from drivora_service.errors import InvalidDocument
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.routing import RoutePoint, plan_route
 from drivora_service.scenario.inspection import InspectedActor, Inspection, inspect_data
 from tests.scenario.places import on_lane
 
@@ -54,7 +56,9 @@ def test_a_valid_document_has_its_actors_and_their_ways(
     assert np.hypot(*(ego.path[-1] - (30.0, 153.2))) < 2.0
     assert ego.path_length == pytest.approx(70.0, abs=2.0)
     assert math.cos(ego.yaw) == pytest.approx(-1.0, abs=0.1)
-    assert len(actors["lanes"].path) > 10
+    planned = plan_route(network, [RoutePoint(x=place["x"], y=place["y"]) for place in ends]).line
+    shown = shapely.LineString(actors["lanes"].path)
+    assert max(shown.distance(shapely.Point(point)) for point in planned) < 0.03
     np.testing.assert_allclose(actors["joined"].path, actors["lanes"].path)
     start, end = ends
     assert actors["straight"].path.tolist() == [

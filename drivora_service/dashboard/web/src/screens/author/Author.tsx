@@ -47,7 +47,7 @@ export function Author() {
   if (!geometry.data) return <Loading rows={14} />;
   return (
     <Desk
-      key={town}
+      key={`${town} ${draft.opened}`}
       draft={draft}
       geometry={geometry.data}
       definitions={schemas.data}

@@ -12,6 +12,7 @@ import type { ShownActor } from "./shownActors";
 const HANDLE_PX = 6;
 const NAME_AWAY_PX = 16;
 const SMALLEST_PX = 7;
+const THINNEST_PX = 1.6;
 const ROLES: Readonly<Record<ListName, string>> = {
   ego_vehicles: "ego",
   npc_vehicles: "npc_vehicle",
@@ -46,6 +47,8 @@ export class AuthorLayer {
   private readonly nodes: { readonly actor: ShownActor; readonly node: Container }[] = [];
   private actors: readonly ShownActor[] = [];
   private chosen: Chosen = { actor: "", place: "" };
+  /** Pixels a metre for which the ways are drawn. */
+  private scale = 1;
   private labels: { readonly text: Text; readonly x: number; readonly y: number }[] = [];
 
   constructor(private readonly map: DrawnMap) {
@@ -91,6 +94,10 @@ export class AuthorLayer {
 
   /** Places what keeps its size on the screen. */
   show(camera: Camera, size: Size): void {
+    if (Math.abs(Math.log(camera.scale / this.scale)) > 0.25) {
+      this.scale = camera.scale;
+      this.drawWays();
+    }
     for (const { actor, node } of this.nodes)
       node.scale.set(Math.max(1, SMALLEST_PX / (Math.max(actor.width, 0.4) * camera.scale)));
     for (const { text, x, y } of this.labels) {
@@ -129,17 +136,21 @@ export class AuthorLayer {
   private drawWays(): void {
     const { palette } = this.map;
     this.ways.clear();
+    const thinnest = THINNEST_PX / this.scale;
     for (const actor of this.actors) {
       const isChosen = actor.pointer === this.chosen.actor;
       const color = colourOfActor({ role: ROLES[actor.list], row: actor.row }, palette);
       const alpha = isChosen ? 0.9 : 0.5;
       if (actor.path.length > 2) {
         trace(this.ways, actor.path);
-        this.ways.stroke({ width: isChosen ? 0.6 : 0.35, color, alpha, cap: "round" });
+        const width = Math.max(isChosen ? 0.6 : 0.35, isChosen ? 2 * thinnest : thinnest);
+        this.ways.stroke({ width, color, alpha, cap: "round" });
       }
       const last = actor.places.at(-1);
       if (last && actor.places.length > 1)
-        this.ways.circle(last.x, last.y, isChosen ? 1.1 : 0.8).fill({ color, alpha });
+        this.ways
+          .circle(last.x, last.y, Math.max(isChosen ? 1.1 : 0.8, 2 * thinnest))
+          .fill({ color, alpha });
     }
   }
 

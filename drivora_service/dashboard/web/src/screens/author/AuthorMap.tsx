@@ -25,7 +25,8 @@ const HANDLE_NEAR_PX = 12;
 /** What other parts of the screen may ask of the map. */
 export interface AuthorMapHandle {
   readonly look: (x: number, y: number, scale?: number) => void;
-  readonly fit: (box?: Box) => void;
+  /** Returns whether there is a map yet. */
+  readonly fit: (box?: Box) => boolean;
   readonly zoom: (factor: number) => void;
   readonly camera: () => Camera | undefined;
   /** The place in the middle of the map. */
@@ -164,8 +165,10 @@ export function AuthorMap({
     () => ({
       look: (x, y, scale) =>
         map?.stage.look({ x, y, scale: scale ?? Math.max(map.stage.camera.scale, 5) }),
-      fit: (box) =>
-        map?.stage.fit(box ?? (geometry.bounds as [number, number, number, number]), true, 12),
+      fit: (box) => {
+        map?.stage.fit(box ?? (geometry.bounds as [number, number, number, number]), true, 12);
+        return map !== undefined;
+      },
       zoom: (factor) => map?.stage.zoom(factor),
       camera: () => map?.stage.camera,
       middle: (what) => {

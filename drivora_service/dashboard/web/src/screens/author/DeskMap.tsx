@@ -1,4 +1,4 @@
-import type { Ref, RefObject } from "react";
+import { type Ref, type RefObject, useEffect, useRef } from "react";
 import { AuthorMap, type AuthorMapHandle } from "./AuthorMap";
 import { oneOf, PLACE_KEYS } from "./deskKeys";
 import { LISTS, NOUNS } from "./scenario";
@@ -14,6 +14,13 @@ export function DeskMap({
   readonly map: RefObject<AuthorMapHandle | null>;
 }) {
   const { tool, actors, chosen } = desk;
+  const { extent } = desk;
+  const fitted = useRef(desk.camera.current !== undefined || actors.length === 0);
+  useEffect(() => {
+    // What was opened is shown as a whole, once.
+    if (fitted.current || !extent || !map.current) return;
+    fitted.current = map.current.fit(extent);
+  });
   const id = actors.find(({ pointer }) => pointer === chosen.actor)?.id ?? "";
   return (
     <>

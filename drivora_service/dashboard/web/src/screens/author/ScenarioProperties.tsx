@@ -1,7 +1,13 @@
 import type { ReactNode } from "react";
 import { Fields, fieldId, Problems } from "../../components/fields/Field";
 import { type Definitions, propertiesOf } from "../../components/fields/jsonSchema";
-import { isObject, type JsonObject, problemsAt, valueAt } from "../../components/fields/pointers";
+import {
+  below,
+  isObject,
+  type JsonObject,
+  problemsAt,
+  valueAt,
+} from "../../components/fields/pointers";
 import { type Editing, problemsOf } from "./editing";
 import { townOf } from "./scenario";
 
@@ -74,12 +80,15 @@ export function ScenarioProperties({
           "red_time",
           "offset",
         ])}
-        {lights.map((light) =>
-          part(
-            "LightTimesDocument",
-            `/traffic_lights/junctions/${light.replaceAll("~", "~0").replaceAll("/", "~1")}`,
-            `Times of light ${light}`,
-          ),
+        {lights.length > 0 && (
+          <Part
+            title={`Times of single lights (${lights.length})`}
+            isOpen={isObject(valueAt(scenario, "/traffic_lights/junctions"))}
+          >
+            {lights.map((light) =>
+              part("LightTimesDocument", below("/traffic_lights/junctions", light), light),
+            )}
+          </Part>
         )}
         {part("BackgroundTrafficDocument", "/background_traffic", "Background traffic")}
         {part("RegionDocument", "/map_region/region_segment", "Region that all places lie in")}

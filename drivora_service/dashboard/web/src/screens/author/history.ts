@@ -7,6 +7,8 @@ export interface History {
   readonly past: readonly JsonObject[];
   readonly now: JsonObject;
   readonly future: readonly JsonObject[];
+  /** How often another document was opened. */
+  readonly opened: number;
   /** What the last change was of: changes of the same are one step back. */
   readonly last: string;
 }
@@ -18,14 +20,20 @@ export type HistoryAction =
   | { readonly do: "open"; readonly document: JsonObject };
 
 export function historyOf(document: JsonObject): History {
-  return { past: [], now: document, future: [], last: "" };
+  return { past: [], now: document, future: [], opened: 0, last: "" };
 }
 
 export function nextHistory(history: History, action: HistoryAction): History {
-  const { past, now, future } = history;
+  const { past, now, future, opened } = history;
   switch (action.do) {
     case "open":
-      return { past: [...past, now].slice(-MOST), now: action.document, future: [], last: "" };
+      return {
+        past: [...past, now].slice(-MOST),
+        now: action.document,
+        future: [],
+        opened: opened + 1,
+        last: "",
+      };
     case "change": {
       if (action.to === now) return history;
       const merged = action.of !== "" && action.of === history.last;
@@ -33,18 +41,19 @@ export function nextHistory(history: History, action: HistoryAction): History {
         past: merged ? past : [...past, now].slice(-MOST),
         now: action.to,
         future: [],
+        opened,
         last: action.of,
       };
     }
     case "undo": {
       const before = past.at(-1);
       if (!before) return history;
-      return { past: past.slice(0, -1), now: before, future: [now, ...future], last: "" };
+      return { past: past.slice(0, -1), now: before, future: [now, ...future], opened, last: "" };
     }
     case "redo": {
       const [after, ...rest] = future;
       if (!after) return history;
-      return { past: [...past, now], now: after, future: rest, last: "" };
+      return { past: [...past, now], now: after, future: rest, opened, last: "" };
     }
   }
 }

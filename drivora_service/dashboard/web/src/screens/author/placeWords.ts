@@ -7,10 +7,10 @@ export function placeWords(scenario: JsonObject, pointer: string): string {
   if (!actor) return pointer === "" ? "scenario" : keysOf(pointer).join(" ").replaceAll("_", " ");
   const item = valueAt(scenario, actor);
   const id = isObject(item) && typeof item.id === "string" ? item.id : numbered(actor);
-  const rest = keysOf(pointer.slice(actor.length));
+  const rest = keysOf(pointer.slice(actor.length)).map((key) => key.replaceAll("_", " "));
   const [what, index, ...further] = rest;
   if (what === "route" && index !== undefined) return [id, `place ${index}`, ...further].join(" ");
-  return [id, ...rest].join(" ").replaceAll("_", " ");
+  return [id, ...rest].join(" ");
 }
 
 function numbered(actor: string): string {

@@ -163,6 +163,8 @@ export function useDesk(
       map.current?.highlight(place.lanes);
       map.current?.fit(boxOf(place.line, 10));
     },
+    /** The box of all that was opened, once the ways are known; undefined if it is empty. */
+    extent: of === undefined ? undefined : extentOfActors(actors),
     fit: () => map.current?.fit(extentOfActors(actors)),
     /** Leads to a place of the document: on the map, and in the fields or the text. */
     go: (pointer: string) => {

@@ -8,6 +8,8 @@ const SETTLED_MS = 300;
 /** The scenario that is written: this browser keeps it. */
 export interface Draft {
   readonly scenario: JsonObject;
+  /** How often another document was opened. */
+  readonly opened: number;
   readonly canUndo: boolean;
   readonly canRedo: boolean;
   /** Changes the document; changes of the same thing are one step back. */
@@ -35,6 +37,7 @@ export function useDraft(): Draft {
   const [open] = useState(() => (document: JsonObject) => act({ do: "open", document }));
   return {
     scenario: now,
+    opened: history.opened,
     canUndo: history.past.length > 0,
     canRedo: history.future.length > 0,
     change,
