@@ -44,7 +44,6 @@ def describe_parameters(type_: type[DataclassInstance]) -> tuple[ParameterDescri
 
     The descriptions come from the section ``Attributes`` of its docstring, or from the fields.
     """
-    described = _adapter(type_).json_schema()
     section = (inspect.getdoc(type_) or "").partition("Attributes:\n")[2]
     texts = {name: " ".join(text.split()) for name, text in _ATTRIBUTE.findall(section)}
     return tuple(
@@ -54,8 +53,34 @@ def describe_parameters(type_: type[DataclassInstance]) -> tuple[ParameterDescri
             schema={key: value for key, value in schema.items() if key not in _NOT_TYPE},
             description=texts.get(name, schema.get("description", "")),
         )
-        for name, schema in described.get("properties", {}).items()
+        for name, schema in _schemas(type_).items()
     )
+
+
+def _schemas(type_: type[DataclassInstance]) -> Mapping[str, Mapping[str, Any]]:
+    """Returns the JSON Schema of each field, in which no reference leads elsewhere."""
+    described = _adapter(type_).json_schema()
+    definitions = described.get("$defs", {})
+    return {
+        name: _inlined(schema, definitions)
+        for name, schema in described.get("properties", {}).items()
+    }
+
+
+def _inlined(schema: Any, definitions: Mapping[str, Any]) -> Any:
+    """Returns a schema with what its references stand for; a reference's own keys go before."""
+    if isinstance(schema, list):
+        return [_inlined(one, definitions) for one in schema]
+    if not isinstance(schema, dict):
+        return schema
+    own = {key: _inlined(value, definitions) for key, value in schema.items() if key != "$ref"}
+    if "$ref" not in schema:
+        return own
+    name = schema["$ref"].rpartition("/")[2]
+    # What contains itself ends here.
+    others = {key: value for key, value in definitions.items() if key != name}
+    stands_for = _inlined(definitions.get(name, {}), others)
+    return {**{key: stands_for[key] for key in stands_for if key not in _NOT_TYPE}, **own}
 
 
 @cache
@@ -96,7 +121,7 @@ def parameter_problems(
     try:
         _adapter(type_).validate_json(text, strict=True)
     except ValidationError as invalid:
-        schemas = _adapter(type_).json_schema().get("properties", {})
+        schemas = _schemas(type_)
         for flaw in invalid.errors(include_url=False):
             place = _place(flaw["loc"], taken)
             schema = schemas.get(place[0], {}) if place else {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Annotated, Any, Literal
 
 import pytest
@@ -19,6 +20,13 @@ from drivora_service.parameters import (
 )
 
 
+class Colour(StrEnum):
+    """A choice with a name and a description of its own."""
+
+    RED = "red"
+    BLUE = "blue"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sample:
     """Parameters of every kind.
@@ -31,6 +39,7 @@ class Sample:
     rate: Annotated[float, Field(ge=0.0, le=1.0)] = 0.5
     size: Annotated[int, Field(gt=0)] = 4
     mode: Literal["slow", "fast"] = "slow"
+    colour: Colour = Colour.RED
     names: tuple[str, ...] = ()
     choice: tuple[int, ...] | Annotated[str, Field(max_length=3)] | None = None
 
@@ -47,9 +56,9 @@ def test_every_problem_has_place_value_and_allowed_values() -> None:
         ("/names/1", "string_type"),
     ]
     assert [problem.message for problem in problems] == [
-        "sample has no parameter 'rat'; did you mean 'rate'? Known: rate, size, mode, names, "
-        "choice",
-        "sample has no parameter 'a/b'; known: rate, size, mode, names, choice",
+        "sample has no parameter 'rat'; did you mean 'rate'? Known: rate, size, mode, colour, "
+        "names, choice",
+        "sample has no parameter 'a/b'; known: rate, size, mode, colour, names, choice",
         "sample: rate is 2; allowed: a number from 0 to 1",
         "sample: size is 0; allowed: an integer above 0",
         'sample: mode is "Fast"; allowed: "slow", "fast"',
@@ -112,3 +121,11 @@ def test_a_description_is_that_of_the_docstring() -> None:
     assert (rate.name, rate.default, rate.description) == ("rate", 0.5, "How often, of all.")
     assert rate.schema == {"type": "number", "minimum": 0.0, "maximum": 1.0}
     assert {other.description for other in others} == {""}
+
+
+def test_the_schema_of_a_parameter_stands_by_itself() -> None:
+    colour = next(one for one in describe_parameters(Sample) if one.name == "colour")
+    assert colour.schema == {"type": "string", "enum": ["red", "blue"]}
+    assert colour.default == "red"
+    (problem,) = parameter_problems(Sample, {"colour": "green"}, of="sample")
+    assert problem.message == 'sample: colour is "green"; allowed: "red", "blue"'
