@@ -91,6 +91,7 @@ CANCELLED_MINIMIZATION = RECORDED + "cancelled-minimization.json"
 FINISHED_MINIMIZATION = RECORDED + "finished-minimization.json"
 MINIMIZATIONS = RECORDED + "minimizations.json"
 
+SPACE_PRESETS = RECORDED + "space-presets.json"
 CAMPAIGN_VALIDATION = RECORDED + "campaign-validation.json"
 QUEUED_CAMPAIGN = RECORDED + "queued-campaign.json"
 PAUSED_CAMPAIGN = RECORDED + "paused-campaign.json"
@@ -158,6 +159,7 @@ SUITE_RUN_REQUEST: dict[str, Any] = {
 }
 COMPARISON = RECORDED + "comparison.json"
 
+STUDY_VALIDATION = RECORDED + "study-validation.json"
 QUEUED_STUDY = RECORDED + "queued-study.json"
 PAUSED_STUDY = RECORDED + "paused-study.json"
 RESUMED_STUDY = RECORDED + "resumed-study.json"

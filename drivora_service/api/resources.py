@@ -26,7 +26,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("runs", "/runs([/:].*)?"),
         ("recordings", "/runs/[^/]*/(timeline|series|perception)"),
         ("minimizations", "/minimizations([/:].*)?|/runs/[^/]*:minimize"),
-        ("campaigns", "/campaigns(:validate|/[^/]*)?"),
+        ("campaigns", "/campaigns(:validate|:presets|/[^/]*)?"),
         ("comparisons", "/campaigns(:compare|/[^/]*/(figures|discoveries|coverage))"),
         ("evaluations", "/campaigns/[^/]*/(evaluations|failures|tables)(/.*)?"),
         ("failures", "/failures(/[0-9]*)?"),

@@ -69,6 +69,11 @@ class Search:
     budget: int
     lookahead: int
 
+    @property
+    def genes(self) -> int:
+        """Numbers that describe a candidate; the most, if seed scenarios differ."""
+        return max(len(part.candidates.genes) for part in self.parts)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Told:

@@ -171,6 +171,7 @@ class Operations:
 
     post_campaign = Answered(campaign_calls.post_campaign)
     validate_campaign = Answered(campaign_calls.validate_campaign)
+    space_presets = Answered(campaign_calls.space_presets)
     campaigns = Listed(campaign_calls.campaigns)
     campaign = Answered(campaign_calls.campaign)
     pause_campaign = Answered(campaign_calls.pause_campaign)
@@ -207,6 +208,7 @@ class Operations:
     suite_history = Answered(suite_calls.suite_history)
 
     post_study = Answered(study_calls.post_study)
+    validate_study = Answered(study_calls.validate_study)
     studies = Listed(study_calls.studies)
     study = Answered(study_calls.study)
     pause_study = Answered(study_calls.pause_study)

@@ -31,12 +31,19 @@ class ValidStudy:
         document: The document, with defaults filled in.
         campaigns: In the order in which they begin: repetition by repetition, so that every
             scenario, agent and method has results early.
+        genes: Numbers that describe a candidate; the most, if the campaigns differ.
         notes: Remarks on how the document was interpreted.
     """
 
     document: StudyDocument
     campaigns: tuple[NewCampaign, ...]
+    genes: int
     notes: tuple[str, ...]
+
+    @property
+    def simulations(self) -> int:
+        """Number of simulations of all campaigns together, at most."""
+        return sum(campaign.budget for campaign in self.campaigns)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,12 +77,13 @@ def read_study(
     problems = [*odd, *_repeated_labels(document), *_beyond_limits(document)]
     if problems:
         raise InvalidDocument(in_document_order(problems, content))
-    valid, problems = _read_all(document, catalogues)
+    valid, genes, problems = _read_all(document, catalogues)
     if problems:
         raise InvalidDocument(in_document_order(problems, content))
     return ValidStudy(
         document=document,
         campaigns=tuple(_campaigns(document, valid)),
+        genes=genes,
         notes=tuple(dict.fromkeys(note for one in valid.values() for note in one.notes)),
     )
 
@@ -109,9 +117,14 @@ def _beyond_limits(document: StudyDocument) -> Iterator[Problem]:
 
 def _read_all(
     document: StudyDocument, catalogues: Catalogues
-) -> tuple[dict[_Combination, ValidCampaign], list[Problem]]:
-    """Reads the first campaign of each combination; returns problems at their places."""
+) -> tuple[dict[_Combination, ValidCampaign], int, list[Problem]]:
+    """Reads the first campaign of each combination.
+
+    Returns:
+        The valid campaigns, the greatest number of their genes, and problems at their places.
+    """
     valid: dict[_Combination, ValidCampaign] = {}
+    genes = 0
     problems: dict[Problem, None] = {}
     refused: set[tuple[str, int]] = set()
     for scenario in range(len(document.scenarios)):
@@ -123,22 +136,28 @@ def _read_all(
                     continue
                 one = _Combination(scenario=scenario, agent=agent, method=method)
                 try:
-                    valid[one] = _read(document, one, catalogues, with_search=agent == 0)
+                    valid[one] = _read(document, one, catalogues)
+                    if agent == 0:
+                        # What the space and the tester refuse does not depend on the agent.
+                        genes = max(genes, _searched_genes(valid[one], catalogues))
                 except InvalidDocument as error:
                     for problem in error.problems:
                         placed, part = _placed(problem, document, one)
                         problems[placed] = None
                         if part in dict(places):
                             refused.add((part, dict(places)[part]))
-    return valid, list(problems)
+    return valid, genes, list(problems)
 
 
-def _read(
-    document: StudyDocument, one: _Combination, catalogues: Catalogues, *, with_search: bool
-) -> ValidCampaign:
+def _searched_genes(valid: ValidCampaign, catalogues: Catalogues) -> int:
+    """Makes the search of a campaign, and returns the number of its genes."""
     # Imported here: it needs the code of all testers.
     from drivora_service.campaigns.preparing import prepare_search
 
+    return prepare_search(valid, catalogues, run_prefix="").genes
+
+
+def _read(document: StudyDocument, one: _Combination, catalogues: Catalogues) -> ValidCampaign:
     scenario = document.scenarios[one.scenario]
     space = document.space if scenario.space is None else scenario.space
     content: dict[str, Any] = {
@@ -153,11 +172,7 @@ def _read(
     }
     if document.agents:
         content["agent"] = document.agents[one.agent].model_dump(exclude={"label"})
-    valid = read_campaign(content, catalogues)
-    if with_search:
-        # What the space and the tester refuse does not depend on the agent.
-        prepare_search(valid, catalogues, run_prefix="")
-    return valid
+    return read_campaign(content, catalogues)
 
 
 def _placed(problem: Problem, document: StudyDocument, one: _Combination) -> tuple[Problem, str]:

@@ -184,6 +184,7 @@ class _Recording:
         self._keep(examples.MEASURES, self._get("/metrics:describe"))
         self._keep(examples.ORACLES, self._get("/oracles"))
         self._keep(examples.MODELS, self._get("/models"))
+        self._keep(examples.SPACE_PRESETS, self._get("/campaigns:presets"), most=_ALL)
 
     def queue(self) -> None:
         """Records jobs, batches and runs, while they wait and when they have ended."""
@@ -294,6 +295,7 @@ class _Recording:
             "oracles": campaign["oracles"],
             "budget": campaign["budget"],
         }
+        self._keep(examples.STUDY_VALIDATION, self._post("/studies:validate", study))
         # One campaign runs at a time: the study waits for this one.
         first = self._post("/campaigns", _searching(name="first", simulations=100_000))
         other = self._post("/studies", study)

@@ -12,6 +12,7 @@ import pytest
 from drivora_service.api.examples import CAMPAIGN
 from drivora_service.api.tokens import Scope, TokenFile
 from drivora_service.campaigns.folder import CampaignFolder
+from drivora_service.search.space.presets import SpacePreset
 from drivora_service.store.campaign_records import CampaignState
 from tests.api.conftest import MakeOffline, Offline
 from tests.api.test_problems import is_problem
@@ -148,6 +149,23 @@ def test_a_dry_run_stores_nothing(offline: Offline, document: dict[str, Any]) ->
     assert (checked["valid"], checked["tester"], checked["town"]) == (True, "random", "tee-town")
     assert checked["genes"] > 20
     assert offline.client.get(CAMPAIGNS).json()["items"] == []
+
+
+def test_named_spaces_are_listed_with_the_values_that_they_stand_for(
+    offline: Offline, document: dict[str, Any]
+) -> None:
+    presets = offline.client.get(f"{CAMPAIGNS}:presets").json()["items"]
+    assert [preset["name"] for preset in presets] == [preset.value for preset in SpacePreset]
+    assert presets[0]["options"] == {}
+    for preset in presets[1:]:
+        assert preset["description"]
+        assert preset["source"]
+        named, written = (
+            offline.client.post(CAMPAIGNS, json={**document, "space": space}).json()
+            for space in ({"preset": preset["name"]}, preset["options"])
+        )
+        del named["document"]["space"]["preset"]
+        assert named["document"]["space"] == written["document"]["space"]
 
 
 def test_a_campaign_that_is_sent_twice_is_made_once(

@@ -20,6 +20,7 @@ METHODS = {
     "/api/v1/batches:compare": "GET, HEAD",
     "/api/v1/campaigns:compare": "GET, HEAD",
     "/api/v1/campaigns:validate": "POST",
+    "/api/v1/studies:validate": "POST",
     "/api/v1/networks/tee-town/geometry": "GET, HEAD",
     "/api/v1/healthz": "GET, HEAD",
     "/healthz": "GET, HEAD",

@@ -121,7 +121,14 @@ def test_names_that_people_read_may_hold_anything_but_nul(
     ],
 )
 def test_odd_bodies(offline: Offline, body: bytes) -> None:
-    for path in ("jobs", "scenarios:validate", "batches", "campaigns", "campaigns:validate"):
+    for path in (
+        "jobs",
+        "scenarios:validate",
+        "batches",
+        "campaigns",
+        "campaigns:validate",
+        "studies:validate",
+    ):
         answer = offline.client.post(f"/api/v1/{path}", content=body, headers=JSON)
         assert answer.status_code in (413, 422), (path, answer.text[:300])
         assert answer.headers["Content-Type"] == "application/problem+json"

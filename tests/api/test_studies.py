@@ -68,6 +68,21 @@ def test_a_wrong_study_stores_nothing(offline: Offline) -> None:
     assert offline.client.get("/api/v1/campaigns").json()["items"] == []
 
 
+def test_a_dry_run_counts_and_stores_nothing(offline: Offline) -> None:
+    checked = offline.client.post(f"{STUDIES}:validate", json=study_content()).json()
+    assert checked["valid"] is True
+    parts = ("scenarios", "agents", "methods", "repetitions")
+    assert [checked[part] for part in parts] == [2, 2, 2, 2]
+    assert (checked["campaigns"], checked["simulations"]) == (16, 16 * 8)
+    assert checked["genes"] > 20
+    content = study_content()
+    content["methods"][1]["name"] = "avfuzzr"
+    refused = offline.client.post(f"{STUDIES}:validate", json=content)
+    assert refused.status_code == 422
+    assert [p["pointer"] for p in refused.json()["problems"]] == ["/methods/1/name"]
+    assert offline.client.get(STUDIES).json()["items"] == []
+
+
 def test_a_study_is_paused_and_resumed(offline: Offline, posted: dict[str, Any]) -> None:
     one = f"{STUDIES}/{posted['id']}"
     paused = offline.client.post(f"{one}:pause").json()

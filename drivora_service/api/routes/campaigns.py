@@ -14,7 +14,13 @@ from drivora_service.api.documentation import answers, campaign_body
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.parameters import Limit, PageToken
 from drivora_service.api.resource_router import resource_router
-from drivora_service.api.schemas.campaigns import Campaign, CampaignValidation, campaign_of
+from drivora_service.api.schemas.campaigns import (
+    Campaign,
+    CampaignValidation,
+    SpacePresetList,
+    campaign_of,
+    space_presets,
+)
 from drivora_service.api.security import reader, submitter
 from drivora_service.api_paths import PREFIX
 from drivora_service.campaigns.folder import ask_for
@@ -99,9 +105,20 @@ def validate_campaign(
         tester=valid.campaign.tester.name,
         town=valid.town,
         seeds=len(valid.seeds),
-        genes=max(len(part.candidates.genes) for part in search.parts),
+        genes=search.genes,
         notes=valid.notes_for(valid.campaign.workers),
     )
+
+
+@router.get(
+    "/campaigns:presets",
+    response_model=SpacePresetList,
+    responses=answers(examples.SPACE_PRESETS, 401, 403),
+    dependencies=[Depends(reader)],
+)
+def list_presets(request: Request) -> Response:
+    """Lists the named spaces that a campaign or a study can have."""
+    return json_answer(request, SpacePresetList, space_presets())
 
 
 @router.get(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from fastapi import Depends, Query, Request, Response
 
@@ -13,7 +13,13 @@ from drivora_service.api.documentation import answers, study_body, table_answers
 from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.parameters import Limit, PageToken, Points
 from drivora_service.api.resource_router import resource_router
-from drivora_service.api.schemas.studies import Study, StudyInList, study_in_list, study_of
+from drivora_service.api.schemas.studies import (
+    Study,
+    StudyInList,
+    StudyValidation,
+    study_in_list,
+    study_of,
+)
 from drivora_service.api.security import reader, submitter
 from drivora_service.api.table_answer import Columns, table_answer
 from drivora_service.api_paths import PREFIX
@@ -28,6 +34,7 @@ from drivora_service.studies.table_names import TableName
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
+    from drivora_service.studies.reading import ValidStudy
     from drivora_service.studies.table_forms import Table
 
 router = resource_router("studies")
@@ -58,10 +65,7 @@ def post_study(
     form = bodies.document_format(request)
 
     def prepare() -> Work:
-        # Imported here: it needs the code of all agents, oracles and testers.
-        from drivora_service.studies.reading import read_study
-
-        valid = read_study(body, context.catalogues, form)
+        valid = _read_document(context, body, form)
 
         def commit(transaction: Transaction) -> Answer:
             study_id = store_study(transaction, valid, context.studies)
@@ -74,6 +78,30 @@ def post_study(
     response = done_once(request, context, idempotency_key, body, prepare)
     context.studies.wake()
     return response
+
+
+@router.post(
+    "/studies:validate",
+    response_model=StudyValidation,
+    responses=answers(examples.STUDY_VALIDATION, 401, 403, 413, 415, 422),
+    openapi_extra=study_body(examples.STUDY),
+    dependencies=[Depends(submitter)],
+)
+def validate_study(request: Request, context: Context, body: bodies.RawBody) -> StudyValidation:
+    """Checks a study as posting it would, and answers with the same problems."""
+    valid = _read_document(context, body, bodies.document_format(request))
+    document = valid.document
+    return StudyValidation(
+        valid=True,
+        scenarios=len(document.scenarios),
+        agents=len(document.agent_labels),
+        methods=len(document.methods),
+        repetitions=document.repetitions,
+        campaigns=len(valid.campaigns),
+        simulations=valid.simulations,
+        genes=valid.genes,
+        notes=valid.notes,
+    )
 
 
 @router.get(
@@ -237,6 +265,13 @@ def get_table(
         return study_table(context.database, study_id, table)
 
     return table_answer(request, table, opened, columns)
+
+
+def _read_document(context: ApiContext, body: bytes, form: Literal["json", "yaml"]) -> ValidStudy:
+    # Imported here: it needs the code of all agents, oracles and testers.
+    from drivora_service.studies.reading import read_study
+
+    return read_study(body, context.catalogues, form)
 
 
 def _asked(context: ApiContext, study_id: str, request: CampaignRequest) -> Study:

@@ -14,6 +14,7 @@ from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.report import RunFailure, RunStatus
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.search.genes import GeneKind, GeneSpace, Part
+from drivora_service.search.space.presets import PRESETS, SpacePreset
 from drivora_service.shapes import combine
 from drivora_service.store import campaign_records
 from drivora_service.store.campaign_records import (
@@ -57,6 +58,23 @@ class CampaignValidation(Schema):
         description="Numbers that describe a candidate; the most, if seed scenarios differ."
     )
     notes: tuple[str, ...] = Field(description="Warnings.")
+
+
+class SpacePresetInList(Schema):
+    """A named space."""
+
+    name: SpacePreset
+    description: str = Field(description="What varies.")
+    source: str = Field(description="Publication; empty for a space of our own.")
+    options: dict[str, Any] = Field(
+        description="Its values by option; those that differ from the default."
+    )
+
+
+class SpacePresetList(Schema):
+    """All named spaces."""
+
+    items: tuple[SpacePresetInList, ...]
 
 
 class Gene(Schema):
@@ -140,6 +158,21 @@ class Failure(campaign_records.Failure):
 
     scenario_url: str
     observations_url: str
+
+
+def space_presets() -> SpacePresetList:
+    """Returns the named spaces."""
+    return SpacePresetList(
+        items=tuple(
+            SpacePresetInList(
+                name=name,
+                description=preset.description,
+                source=preset.source,
+                options=preset.changed_options,
+            )
+            for name, preset in PRESETS.items()
+        )
+    )
 
 
 def campaign_of(

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pydantic import Field
+
+from drivora_service.api.schemas.base import Schema
 from drivora_service.shapes import combine
 from drivora_service.store.study_records import StudyRecord, StudyState, StudySummary, state_of
 
@@ -27,6 +30,22 @@ class Study(StudyRecord):
     state: StudyState
     notes: tuple[str, ...] = ()
     campaigns_url: str
+
+
+class StudyValidation(Schema):
+    """A study that can be run."""
+
+    valid: bool
+    scenarios: int
+    agents: int = Field(description="ADSs; 1 if they are those of the scenarios.")
+    methods: int
+    repetitions: int
+    campaigns: int = Field(description="Of each scenario, ADS, method and repetition.")
+    simulations: int = Field(description="Of all campaigns together, at most.")
+    genes: int = Field(
+        description="Numbers that describe a candidate; the most, if the campaigns differ."
+    )
+    notes: tuple[str, ...] = Field(description="Warnings.")
 
 
 def study_in_list(study: StudySummary, *, has_process: bool) -> StudyInList:

@@ -2,25 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-
 from drivora_service.cli.output import JsonOption, print_json, print_table
 
 
 def presets(as_json: JsonOption = False) -> None:
     """Lists the named spaces for `space: {preset: NAME}` in a campaign or a study."""
-    from drivora_service.search.space.options import SpaceOptions
     from drivora_service.search.space.presets import PRESETS
 
-    default = SpaceOptions()
-    changed = {
-        name: {
-            one.name: getattr(preset.options, one.name)
-            for one in fields(SpaceOptions)
-            if getattr(preset.options, one.name) != getattr(default, one.name)
-        }
-        for name, preset in PRESETS.items()
-    }
     if as_json:
         print_json(
             [
@@ -28,7 +16,7 @@ def presets(as_json: JsonOption = False) -> None:
                     "name": name.value,
                     "description": preset.description,
                     "source": preset.source,
-                    "options": changed[name],
+                    "options": preset.changed_options,
                 }
                 for name, preset in PRESETS.items()
             ]
@@ -41,7 +29,7 @@ def presets(as_json: JsonOption = False) -> None:
             (
                 name.value,
                 preset.description,
-                ", ".join(f"{key} {value}" for key, value in changed[name].items()),
+                ", ".join(f"{key} {value}" for key, value in preset.changed_options.items()),
             )
             for name, preset in PRESETS.items()
         ),

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         CampaignValidation,
         Evaluation,
         Failure,
+        SpacePresetList,
     )
     from drivora_service.api.schemas.comparisons import Figures
     from drivora_service.store.campaign_records import (
@@ -72,6 +73,13 @@ def validate_campaign(
         language=language,
         only_checks=True,
     )
+
+
+def space_presets() -> Call[SpacePresetList]:
+    """Returns the named spaces that a campaign or a study can have."""
+    from drivora_service.api.schemas.campaigns import SpacePresetList
+
+    return get(f"{PREFIX}/campaigns:presets", SpacePresetList)
 
 
 def campaigns(

@@ -19,7 +19,7 @@ from drivora_service.client.call import (
 )
 
 if TYPE_CHECKING:
-    from drivora_service.api.schemas.studies import Study, StudyInList
+    from drivora_service.api.schemas.studies import Study, StudyInList, StudyValidation
     from drivora_service.studies.discoveries import StudyBands
     from drivora_service.studies.study_comparison import StudyComparison
     from drivora_service.studies.table_names import TableForm, TableName
@@ -36,6 +36,23 @@ def post_study(document: Document, *, language: Language = "json") -> Call[Study
     from drivora_service.api.schemas.studies import Study
 
     return post(f"{PREFIX}/studies", Study, document_bytes(document), language=language)
+
+
+def validate_study(document: Document, *, language: Language = "json") -> Call[StudyValidation]:
+    """Checks a study as posting it would, and counts its campaigns and simulations.
+
+    Raises:
+        InvalidDocument: It cannot be run.
+    """
+    from drivora_service.api.schemas.studies import StudyValidation
+
+    return post(
+        f"{PREFIX}/studies:validate",
+        StudyValidation,
+        document_bytes(document),
+        language=language,
+        only_checks=True,
+    )
 
 
 def studies(*, limit: int | None = None) -> Listing[StudyInList]:

@@ -7,9 +7,10 @@ in the reference of the campaign file.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import StrEnum
 from types import MappingProxyType
+from typing import Any
 
 from drivora_service.scenario.model import RouteEnd
 from drivora_service.search.space.options import SpaceOptions, VehicleStarts
@@ -37,6 +38,16 @@ class Preset:
     options: SpaceOptions
     description: str
     source: str
+
+    @property
+    def changed_options(self) -> dict[str, Any]:
+        """The values of the options that differ from the default, by name."""
+        default = SpaceOptions()
+        return {
+            one.name: getattr(self.options, one.name)
+            for one in fields(SpaceOptions)
+            if getattr(self.options, one.name) != getattr(default, one.name)
+        }
 
 
 PRESETS: Mapping[SpacePreset, Preset] = MappingProxyType(
