@@ -483,6 +483,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/campaigns:presets": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Presets
+         * @description Lists the named spaces that a campaign or a study can have.
+         */
+        get: operations["list_presets_api_v1_campaigns_presets_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/campaigns:validate": {
         parameters: {
             query?: never;
@@ -1364,6 +1384,26 @@ export interface paths {
          * @description Resumes the campaigns of a study that are not over, as if they had not been interrupted.
          */
         post: operations["resume_study_api_v1_studies__study_id__resume_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/studies:validate": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Validate Study
+         * @description Checks a study as posting it would, and answers with the same problems.
+         */
+        post: operations["validate_study_api_v1_studies_validate_post"];
         delete?: never;
         options?: never;
         head?: never;
@@ -6961,6 +7001,38 @@ export interface components {
          */
         SpacePreset: "default" | "avfuzzer" | "behavexplor" | "doppeltest";
         /**
+         * SpacePresetInList
+         * @description A named space.
+         */
+        SpacePresetInList: {
+            /**
+             * Description
+             * @description What varies.
+             */
+            description: string;
+            name: components["schemas"]["SpacePreset"];
+            /**
+             * Options
+             * @description Its values by option; those that differ from the default.
+             */
+            options: {
+                [key: string]: unknown;
+            };
+            /**
+             * Source
+             * @description Publication; empty for a space of our own.
+             */
+            source: string;
+        };
+        /**
+         * SpacePresetList
+         * @description All named spaces.
+         */
+        SpacePresetList: {
+            /** Items */
+            items: components["schemas"]["SpacePresetInList"][];
+        };
+        /**
          * SplitRequest
          * @description Which part of a group is a group of its own.
          */
@@ -7607,6 +7679,45 @@ export interface components {
          * @enum {string}
          */
         StudyState: "queued" | "running" | "paused" | "finished" | "failed" | "cancelled" | "interrupted";
+        /**
+         * StudyValidation
+         * @description A study that can be run.
+         */
+        StudyValidation: {
+            /**
+             * Agents
+             * @description ADSs; 1 if they are those of the scenarios.
+             */
+            agents: number;
+            /**
+             * Campaigns
+             * @description Of each scenario, ADS, method and repetition.
+             */
+            campaigns: number;
+            /**
+             * Genes
+             * @description Numbers that describe a candidate; the most, if the campaigns differ.
+             */
+            genes: number;
+            /** Methods */
+            methods: number;
+            /**
+             * Notes
+             * @description Warnings.
+             */
+            notes: string[];
+            /** Repetitions */
+            repetitions: number;
+            /** Scenarios */
+            scenarios: number;
+            /**
+             * Simulations
+             * @description Of all campaigns together, at most.
+             */
+            simulations: number;
+            /** Valid */
+            valid: boolean;
+        };
         /**
          * SuiteDecision
          * @description What a gate decided on a run of a suite.
@@ -10631,6 +10742,62 @@ export interface operations {
             };
             /** @description Not Found */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    list_presets_api_v1_campaigns_presets_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SpacePresetList"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -14182,6 +14349,85 @@ export interface operations {
             };
             /** @description Conflict */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    validate_study_api_v1_studies_validate_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StudyDocument"];
+                "application/yaml": components["schemas"]["StudyDocument"];
+            };
+        };
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StudyValidation"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
                 headers: {
                     [name: string]: unknown;
                 };
