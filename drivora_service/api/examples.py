@@ -62,6 +62,7 @@ MEASURES = RECORDED + "measures.json"
 ORACLES = RECORDED + "oracles.json"
 MODELS = RECORDED + "models.json"
 
+EXAMPLE_SCENARIOS = RECORDED + "example-scenarios.json"
 VALIDATION = RECORDED + "validation.json"
 INSPECTION = RECORDED + "inspection.json"
 JOB = RECORDED + "job.json"

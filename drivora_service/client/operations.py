@@ -228,6 +228,7 @@ class Operations:
     begin_session = Answered(session_calls.begin_session)
     end_session = Answered(session_calls.end_session)
 
+    example_scenarios = Answered(catalogue_calls.example_scenarios)
     networks = Answered(catalogue_calls.networks)
     network = Answered(catalogue_calls.network)
     network_geometry = Answered(catalogue_calls.network_geometry)

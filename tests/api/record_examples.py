@@ -184,6 +184,11 @@ class _Recording:
         self._keep(examples.MEASURES, self._get("/metrics:describe"))
         self._keep(examples.ORACLES, self._get("/oracles"))
         self._keep(examples.MODELS, self._get("/models"))
+        self._keep(
+            examples.EXAMPLE_SCENARIOS,
+            _named(self._get("/scenarios:examples"), "church lane"),
+            most=_ALL,
+        )
         self._keep(examples.SPACE_PRESETS, self._get("/campaigns:presets"), most=_ALL)
 
     def queue(self) -> None:

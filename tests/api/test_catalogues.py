@@ -21,6 +21,15 @@ def test_networks_and_their_geometry(offline: Offline) -> None:
     assert offline.client.get(network["geometry_url"], headers=known).status_code == 304
 
 
+def test_every_example_scenario_can_be_posted(offline: Offline) -> None:
+    examples = offline.client.get("/api/v1/scenarios:examples").json()["items"]
+    assert len({example["name"] for example in examples}) == len(examples) > 10
+    assert examples[0]["name"] == "church lane"
+    for example in examples:
+        checked = offline.client.post("/api/v1/scenarios:validate", json=example["document"])
+        assert checked.status_code == 200, (example["name"], checked.text)
+
+
 def test_agents_and_oracles(offline: Offline) -> None:
     agents = {item["name"]: item for item in offline.client.get("/api/v1/agents").json()["items"]}
     assert agents["idm"]["installed"] is True

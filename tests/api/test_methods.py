@@ -19,6 +19,8 @@ METHODS = {
     "/api/v1/campaigns/0:resume": "POST",
     "/api/v1/batches:compare": "GET, HEAD",
     "/api/v1/campaigns:compare": "GET, HEAD",
+    "/api/v1/scenarios:validate": "POST",
+    "/api/v1/scenarios:examples": "GET, HEAD",
     "/api/v1/campaigns:validate": "POST",
     "/api/v1/studies:validate": "POST",
     "/api/v1/networks/tee-town/geometry": "GET, HEAD",

@@ -1,12 +1,14 @@
 """Checking a scenario without running it, and what an editor shows of it."""
+"""Checking a scenario without running it, and examples to begin with."""
 
 from __future__ import annotations
 
 import hashlib
 
-from fastapi import Depends, Request
+from fastapi import Depends, Request, Response
 
 from drivora_service.api import bodies, examples
+from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import answers, scenario_body
 from drivora_service.api.lookups import KnownAgents, KnownNetworks
@@ -18,9 +20,12 @@ from drivora_service.api.schemas.service import (
     Inspection,
     Validation,
 )
+from drivora_service.api.schemas.catalogues import ExampleScenario, ExampleScenarioList
+from drivora_service.api.schemas.service import Validation
 from drivora_service.api.security import reader, submitter
 from drivora_service.api.submission import Checker, check_overrides
 from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.shipped import shipped_scenarios
 
 router = resource_router("scenarios")
 
@@ -86,3 +91,16 @@ def inspect_scenario(request: Request, context: Context, body: bodies.RawBody) -
             for actor in found.actors
         ),
     )
+@router.get(
+    "/scenarios:examples",
+    response_model=ExampleScenarioList,
+    responses=answers(examples.EXAMPLE_SCENARIOS, 401, 403),
+    dependencies=[Depends(reader)],
+)
+def list_examples(request: Request) -> Response:
+    """Lists the example scenarios that come with the package."""
+    items = tuple(
+        ExampleScenario(name=name, document=dict(document))
+        for name, document in shipped_scenarios().items()
+    )
+    return json_answer(request, ExampleScenarioList, ExampleScenarioList(items=items))

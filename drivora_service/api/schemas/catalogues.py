@@ -1,4 +1,7 @@
-"""What documents can name: networks, agents and testers; and the oracles that judge runs."""
+"""What documents can name or begin with: example scenarios, networks, agents and testers.
+
+And the oracles that judge runs.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,19 @@ from drivora_service.oracles.descriptions import (
     ViolatedBy,
 )
 from drivora_service.scenario.actor_models import ActorKind, VehicleClass
+
+
+class ExampleScenario(Schema):
+    """An example scenario that comes with the package."""
+
+    name: str
+    document: dict[str, Any] = Field(description="It can be posted as it is.")
+
+
+class ExampleScenarioList(Schema):
+    """All example scenarios."""
+
+    items: tuple[ExampleScenario, ...]
 
 
 class NetworkSummary(Schema):

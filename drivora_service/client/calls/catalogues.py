@@ -1,4 +1,4 @@
-"""Catalogues of networks, agents, testers and oracles; the state of the service."""
+"""Catalogues of scenarios, networks, agents, testers and oracles; the state of the service."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from drivora_service.client.call import Call, get
 if TYPE_CHECKING:
     from drivora_service.api.schemas.catalogues import (
         AgentList,
+        ExampleScenarioList,
         MeasureList,
         ModelList,
         Network,
@@ -20,6 +21,13 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.network_geometry import NetworkGeometry
     from drivora_service.api.schemas.service import Health, Readiness
     from drivora_service.api.schemas.workers import Workers
+
+
+def example_scenarios() -> Call[ExampleScenarioList]:
+    """Returns the example scenarios that come with the package."""
+    from drivora_service.api.schemas.catalogues import ExampleScenarioList
+
+    return get(f"{PREFIX}/scenarios:examples", ExampleScenarioList)
 
 
 def networks() -> Call[NetworkList]:
