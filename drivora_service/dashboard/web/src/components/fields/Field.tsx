@@ -2,7 +2,7 @@ import type { ReactNode } from "react";
 import { Prose } from "../Prose";
 import { type ControlProps, controlFor } from "./controls";
 import { type Definitions, type JsonSchema, labelOf, lookOf, resolved } from "./jsonSchema";
-import type { Json, PlacedProblem } from "./pointers";
+import { below, type Json, type PlacedProblem } from "./pointers";
 import { isSame, textOf } from "./typed";
 import "./fields.css";
 
@@ -95,9 +95,13 @@ function About({
   if (!description && !allowed) return null;
   return (
     <p className="quiet">
-      <Prose text={description} /> {allowed && <span className="allowed">{allowed}</span>}
+      <Prose text={description} /> {allowed && <span className="allowed">{sentence(allowed)}</span>}
     </p>
   );
+}
+
+function sentence(words: string): string {
+  return `${words.charAt(0).toUpperCase()}${words.slice(1)}.`;
 }
 
 /** What is wrong with a value, in the words of the service. */
@@ -138,7 +142,7 @@ export function Fields({
       {names.map((name) => {
         const schema = properties[name];
         if (!schema) return null;
-        const place = `${pointer}/${name}`;
+        const place = below(pointer, name);
         return (
           <Field
             key={name}

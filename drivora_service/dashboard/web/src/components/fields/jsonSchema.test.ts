@@ -28,6 +28,8 @@ it("a number has its unit and bounds, and none for a unit of 1", () => {
   const count = { type: "integer", minimum: 0, maximum: 64, "x-unit": "1" };
   expect(lookOf(count)).toMatchObject({ look: { isWhole: true, unit: "" }, allowed: "0 to 64" });
   expect(allowedWords({ type: "integer" })).toBe("any whole number");
+  const simulations = { type: "integer", minimum: 1, maximum: 1_000_000 };
+  expect(allowedWords(simulations)).toBe("1 to 1,000,000");
 });
 
 it("a value that may be null is that of its other choice", () => {

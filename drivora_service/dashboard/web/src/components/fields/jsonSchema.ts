@@ -113,17 +113,22 @@ export function unitOf(schema: JsonSchema): string {
   return unit === "1" ? "" : unit;
 }
 
+const digits = new Intl.NumberFormat("en", { maximumFractionDigits: 6 });
+
 /** Returns the bounds of a number or of the length of a text, in words. */
 export function allowedWords(schema: JsonSchema): string {
   const { type, minimum, maximum, exclusiveMinimum, exclusiveMaximum } = schema;
   if (type === "integer" || type === "number") {
     const whole = type === "integer" ? "whole number" : "number";
-    if (minimum !== undefined && maximum !== undefined) return `${minimum} to ${maximum}`;
+    if (minimum !== undefined && maximum !== undefined)
+      return `${digits.format(minimum)} to ${digits.format(maximum)}`;
+    const bound = (word: string, value: number | undefined) =>
+      value === undefined ? "" : `${word} ${digits.format(value)}`;
     const bounds = [
-      minimum === undefined ? "" : `at least ${minimum}`,
-      exclusiveMinimum === undefined ? "" : `above ${exclusiveMinimum}`,
-      maximum === undefined ? "" : `at most ${maximum}`,
-      exclusiveMaximum === undefined ? "" : `below ${exclusiveMaximum}`,
+      bound("at least", minimum),
+      bound("above", exclusiveMinimum),
+      bound("at most", maximum),
+      bound("below", exclusiveMaximum),
     ].filter(Boolean);
     return bounds.length > 0 ? bounds.join(" and ") : `any ${whole}`;
   }
