@@ -43,6 +43,12 @@ const screens = [
   }),
   createRoute({
     getParentRoute: () => root,
+    path: "/campaigns/new",
+    validateSearch: anySearch,
+    component: lazyScreen(() => import("./screens/compose/NewCampaign"), "NewCampaign"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
     path: "/campaigns/$id",
     validateSearch: anySearch,
     component: lazyScreen(() => import("./screens/campaign/Campaign"), "Campaign"),
@@ -52,6 +58,12 @@ const screens = [
     path: "/studies",
     validateSearch: anySearch,
     component: lazyScreen(() => import("./screens/studies/Studies"), "Studies"),
+  }),
+  createRoute({
+    getParentRoute: () => root,
+    path: "/studies/new",
+    validateSearch: anySearch,
+    component: lazyScreen(() => import("./screens/compose/NewStudy"), "NewStudy"),
   }),
   createRoute({
     getParentRoute: () => root,

@@ -1,0 +1,103 @@
+import { Fields, fieldId, Problems } from "../../components/fields/Field";
+import { propertiesOf } from "../../components/fields/jsonSchema";
+import { isObject, valueAt } from "../../components/fields/pointers";
+import { presetOptions } from "./catalogues";
+import type { Form } from "./form";
+import { Folded, Section } from "./Section";
+import { spaceStandards } from "./stored";
+
+/** What varies most often; all else is folded. */
+const FIRST = [
+  "vehicles",
+  "walkers",
+  "obstacles",
+  "patches",
+  "egos",
+  "weather",
+  "lights",
+  "optional",
+];
+
+/** What varies: a named space, and what differs from it. */
+export function SpaceSection({ form }: { readonly form: Form }) {
+  const { definitions, presets } = form.catalogues;
+  const given = valueAt(form.draft.settings, "/space");
+  const space = isObject(given) ? given : {};
+  const name = typeof space.preset === "string" ? space.preset : "default";
+  const preset = presets.find((one) => one.name === name);
+  const { preset: _, ...properties } = propertiesOf(definitions.SpaceDocument, definitions);
+  const rest = Object.keys(properties).filter((one) => !FIRST.includes(one));
+  const changed = rest.filter((one) => space[one] !== undefined).length;
+  const shared = {
+    pointer: "/space",
+    properties,
+    definitions,
+    value: space,
+    standards: spaceStandards(space.preset, definitions, presetOptions(presets)),
+    problemsOf: form.problemsOf,
+    onChange: form.set,
+  };
+  const choose = (chosen: string) =>
+    form.set("/space", chosen === "default" ? undefined : { preset: chosen });
+  return (
+    <Section
+      pointer="/space"
+      title="What varies"
+      says="beside the scenario, which stays"
+      problems={form.problemsOf("/space")}
+    >
+      <div className="preset">
+        <label className="one">
+          Named space
+          <select
+            id={fieldId("/space/preset")}
+            value={name}
+            onChange={({ target }) => choose(target.value)}
+          >
+            {presets.map((one) => (
+              <option key={one.name}>{one.name}</option>
+            ))}
+          </select>
+        </label>
+        {preset && (
+          <span className="quiet" title={preset.source}>
+            {preset.description}
+          </span>
+        )}
+        <Problems problems={form.problemsOf("/space/preset")} />
+      </div>
+      <Suggested form={form} chosen={name} onChoose={choose} />
+      <Fields {...shared} names={FIRST} />
+      <Folded
+        title="More of the space"
+        says={changed > 0 ? `${changed} of ${rest.length} changed` : `${rest.length}`}
+        hasProblem={rest.some((one) => form.problemsOf(`/space/${one}`).length > 0)}
+      >
+        <Fields {...shared} names={rest} />
+      </Folded>
+    </Section>
+  );
+}
+
+/** The space that the authors of the chosen method search. */
+function Suggested({
+  form,
+  chosen,
+  onChoose,
+}: {
+  readonly form: Form;
+  readonly chosen: string;
+  readonly onChoose: (name: string) => void;
+}) {
+  const tester = valueAt(form.draft.settings, "/tester/name");
+  const own = form.catalogues.presets.find(({ name }) => name === tester);
+  if (!own || own.name === chosen) return null;
+  return (
+    <p>
+      The authors of this method search the space <code>{own.name}</code>: {own.description}.{" "}
+      <button type="button" onClick={() => onChoose(own.name)}>
+        Use it
+      </button>
+    </p>
+  );
+}

@@ -1,0 +1,121 @@
+import { useQuery } from "@tanstack/react-query";
+import { firstOf, type Search, stringifySearch, valuesOf } from "../../address";
+import { api, body } from "../../api/client";
+import { isObject, type JsonObject } from "../../components/fields/pointers";
+import { type Kind, type SeedScenario, withScenario } from "./draft";
+import { townOf } from "./scenarioWords";
+
+/** Under which another screen leaves a scenario, as JSON text, before it opens a form. */
+export const HANDED_OVER = "drivora:scenario";
+
+/** What a form begins with, by its address. */
+export interface Beginning {
+  /** Stands for it: what was composed from the same beginning before is shown again. */
+  readonly source: string;
+  readonly scenarios: readonly SeedScenario[];
+  /** A stored document that the form begins with, and what its only scenario is called. */
+  readonly stored?: { readonly document: JsonObject; readonly label: string };
+  /** Why the scenario of the address could not be read. */
+  readonly refusal?: string;
+}
+
+type Found = Omit<Beginning, "source">;
+type Added = Omit<SeedScenario, "id">;
+
+/** Reads what the address names: runs, an evaluation, a campaign, a study, or a handed scenario. */
+export function useBeginning(kind: Kind, search: Search) {
+  const handed =
+    firstOf(search, "from") === "author" ? (sessionStorage.getItem(HANDED_OVER) ?? "") : "";
+  return useQuery({
+    queryKey: ["beginning", kind, stringifySearch(search), handed],
+    queryFn: async (): Promise<Beginning> => ({
+      source: `${kind}${stringifySearch(search)} ${handed}`,
+      ...(await found(kind, search, handed)),
+    }),
+    gcTime: 0,
+  });
+}
+
+async function found(kind: Kind, search: Search, handed: string): Promise<Found> {
+  const runs = valuesOf(search, "run");
+  const campaign = firstOf(search, "campaign");
+  const evaluation = firstOf(search, "evaluation");
+  const study = firstOf(search, "study");
+  if (firstOf(search, "from") === "author") return handedOver(handed);
+  if (runs.length > 0) return { scenarios: together(await Promise.all(runs.map(ofRun))) };
+  if (campaign && evaluation)
+    return { scenarios: together([await ofEvaluation(campaign, evaluation)]) };
+  if (campaign && kind === "campaign") return { scenarios: [], stored: await ofCampaign(campaign) };
+  if (study && kind === "study") return { scenarios: [], stored: await ofStudy(study) };
+  return { scenarios: [] };
+}
+
+function together(added: readonly Added[]): readonly SeedScenario[] {
+  return added.reduce<readonly SeedScenario[]>(withScenario, []);
+}
+
+/** Reads the scenario that a run has driven. */
+export async function ofRun(id: string): Promise<Added> {
+  const params = { path: { run_id: id } };
+  const [run, scenario] = await Promise.all([
+    api.GET("/api/v1/runs/{run_id}", { params }),
+    api.GET("/api/v1/runs/{run_id}/scenario", { params }),
+  ]);
+  const document = body(scenario) as unknown as JsonObject;
+  const { label, town } = body(run);
+  return { label: label || town, origin: `of run ${id}`, document };
+}
+
+async function ofEvaluation(campaign: string, evaluation: string): Promise<Added> {
+  const path = { campaign_id: campaign, number: Number(evaluation) };
+  const document = body(
+    await api.GET("/api/v1/campaigns/{campaign_id}/evaluations/{number}/scenario", {
+      params: { path },
+    }),
+  ) as unknown as JsonObject;
+  return {
+    label: `${townOf(document)} ${evaluation}`,
+    origin: `of evaluation ${evaluation} of a campaign`,
+    document,
+  };
+}
+
+async function ofCampaign(id: string) {
+  const { document, cell, town, name } = body(
+    await api.GET("/api/v1/campaigns/{campaign_id}", { params: { path: { campaign_id: id } } }),
+  );
+  return {
+    document: { ...(document as JsonObject), name: again(name) },
+    label: cell?.scenario ?? town,
+  };
+}
+
+async function ofStudy(id: string) {
+  const { document, name } = body(
+    await api.GET("/api/v1/studies/{study_id}", { params: { path: { study_id: id } } }),
+  );
+  return { document: { ...(document as JsonObject), name: again(name) }, label: "" };
+}
+
+const LONGEST = 100;
+
+/** Returns a name for what is searched again with other settings. */
+function again(name: string): string {
+  return /, again( \d+)?$/.test(name) ? name : `${name.slice(0, LONGEST - 7)}, again`;
+}
+
+function handedOver(text: string): Found {
+  try {
+    const document: unknown = JSON.parse(text);
+    if (isObject(document)) {
+      const label = townOf(document) ? `${townOf(document)}, authored` : "authored";
+      return { scenarios: together([{ label, origin: "of the author screen", document }]) };
+    }
+  } catch {
+    // Told below.
+  }
+  return {
+    scenarios: [],
+    refusal: "The author screen has left no scenario in this tab. Open it and choose Vary again.",
+  };
+}
