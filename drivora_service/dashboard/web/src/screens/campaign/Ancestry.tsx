@@ -8,6 +8,7 @@ import { fixed } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
 import { MeasureHelp } from "../../help/MeasureHelp";
 import { OracleHelp } from "../../help/OracleHelp";
+import { SearchFrom } from "../compose/SearchFrom";
 import { ACCOUNTABILITY, kindText, plain } from "../failures/words";
 import { replayUpTo } from "../replay/address";
 import { replayCommand } from "../replay/againCommand";
@@ -117,6 +118,7 @@ function Verdicts({
             >
               Edit
             </Link>
+            <SearchFrom search={{ campaign, evaluation: String(number) }} />
           )}
           {evaluation.scenario_url && (
             <Copy text={command} label="Copy the command that runs it again" />

@@ -10,6 +10,7 @@ import { Tabs } from "../../components/Tabs";
 import { useTitle } from "../../shell/useTitle";
 import { Actions } from "../campaigns/Actions";
 import { lookOfSearch } from "../campaigns/state";
+import { AgainWith } from "../compose/SearchFrom";
 import { Ancestry } from "./Ancestry";
 import { Coverage } from "./Coverage";
 import { Evaluations } from "./Evaluations";
@@ -53,6 +54,7 @@ function Loaded({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
         <Mark {...lookOfSearch(state, request)} />
         <div className="actions">
           <Tables id={id} />
+          <AgainWith kind="campaign" id={id} />
           <Actions kind="campaign" id={id} name={name} state={state} request={request} />
         </div>
         <Facts campaign={campaign} />

@@ -9,6 +9,7 @@ import { Empty, Loading, Refused } from "../../components/States";
 import { News } from "../../lists/News";
 import { useLiveList } from "../../lists/useLiveList";
 import { useTitle } from "../../shell/useTitle";
+import { NewLink } from "../compose/NewLink";
 import { COLUMNS } from "./columns";
 import { STATES } from "./state";
 
@@ -53,6 +54,7 @@ export function Campaigns() {
         <h1>Campaigns</h1>
         <Running />
         <div className="actions">
+          <NewLink to="/campaigns/new">New campaign</NewLink>
           <button
             type="button"
             disabled={selected.size < 2}
@@ -77,6 +79,9 @@ export function Campaigns() {
             A campaign searches for failures of an ADS.
             {Object.keys(filters).length > 0 && " Remove a filter to see others."}
           </p>
+          <NewLink to="/campaigns/new" isShort>
+            Compose one here
+          </NewLink>
         </Empty>
       ) : (
         <div className="with-news">

@@ -7,6 +7,7 @@ import { Mark, type MarkLook } from "../../components/Mark";
 import { fixed, moment } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
 import { useTitle } from "../../shell/useTitle";
+import { SearchFrom } from "../compose/SearchFrom";
 import { minimizationOf } from "../minimizations/minimization";
 import { lookOfRun } from "../runs/status";
 import { againCommand } from "./againCommand";
@@ -37,6 +38,7 @@ export function Run() {
         </p>
         <div className="actions">
           <MinimizeRun run={run} />
+          <SearchFrom search={{ run: run.id }} />
           <Copy text={run.id} label="Copy the id" />
           <Copy
             text={againCommand(run, window.location.origin)}

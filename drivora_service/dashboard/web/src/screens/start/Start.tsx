@@ -1,4 +1,6 @@
+import type { ReactNode } from "react";
 import { useTitle } from "../../shell/useTitle";
+import { NewLink } from "../compose/NewLink";
 
 /** What to do first, where nothing has run yet. */
 export function Start() {
@@ -8,7 +10,7 @@ export function Start() {
     <>
       <div className="head">
         <h1>Nothing has run yet</h1>
-        <p className="answer">Each of these commands fills this page.</p>
+        <p className="answer">Each of these fills this page.</p>
       </div>
       <ol className="start">
         <Step
@@ -20,12 +22,18 @@ export function Start() {
           title="Search for failures"
           command={`drivora campaign run campaign.yaml --server ${server}`}
           says="A tester varies a seed scenario until its budget is spent; failures appear as they are found."
-        />
+        >
+          <NewLink to="/campaigns/new">Compose a campaign</NewLink>
+        </Step>
         <Step
           title="Compare ADSs and methods"
           command={`drivora study run study.yaml --server ${server}`}
           says="Runs campaigns by scenarios, ADSs, methods and repetitions."
-        />
+        >
+          <NewLink to="/studies/new" isShort>
+            Compose a study
+          </NewLink>
+        </Step>
       </ol>
       <p className="quiet">
         No document at hand? <code>drivora schema --help</code> names the schemas, and{" "}
@@ -39,16 +47,19 @@ function Step({
   title,
   command,
   says,
+  children,
 }: {
   readonly title: string;
   readonly command: string;
   readonly says: string;
+  readonly children?: ReactNode;
 }) {
   return (
     <li className="panel">
       <div className="inside">
         <h2>{title}</h2>
         <p className="quiet">{says}</p>
+        {children}
         <pre>{command}</pre>
       </div>
     </li>

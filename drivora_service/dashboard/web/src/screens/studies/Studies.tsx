@@ -9,6 +9,7 @@ import { useList } from "../../lists/useList";
 import { useTitle } from "../../shell/useTitle";
 import { Actions } from "../campaigns/Actions";
 import { lookOfSearch } from "../campaigns/state";
+import { NewLink } from "../compose/NewLink";
 
 type Row = Schemas["StudyInList"];
 
@@ -98,6 +99,9 @@ export function Studies() {
       <div className="head">
         <h1>Studies</h1>
         <span className="answer">Scenarios × ADSs × methods, each repeated.</span>
+        <div className="actions">
+          <NewLink to="/studies/new">New study</NewLink>
+        </div>
       </div>
       {query.isPending ? (
         <Loading />
@@ -109,6 +113,9 @@ export function Studies() {
           command={`drivora study run study.yaml --server ${window.location.origin}`}
         >
           <p>A study runs a campaign for each scenario, ADS, method and repetition.</p>
+          <NewLink to="/studies/new" isShort>
+            Compose one here
+          </NewLink>
         </Empty>
       ) : (
         <DataTable

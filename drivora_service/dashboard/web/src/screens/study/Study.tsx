@@ -11,6 +11,7 @@ import { useTitle } from "../../shell/useTitle";
 import { Actions } from "../campaigns/Actions";
 import { COLUMNS } from "../campaigns/columns";
 import { lookOfSearch } from "../campaigns/state";
+import { AgainWith } from "../compose/SearchFrom";
 import { useStudyCampaigns } from "./asked";
 import { type Cell, cellsOf } from "./cells";
 import { Figures } from "./Figures";
@@ -53,6 +54,7 @@ function Loaded({
         <Mark {...lookOfSearch(state, request)} />
         <div className="actions">
           <Tables id={id} />
+          <AgainWith kind="study" id={id} />
           <Actions kind="study" id={id} name={name} state={state} request={request} />
         </div>
         <p className="facts">
