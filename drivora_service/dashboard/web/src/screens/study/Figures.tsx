@@ -5,7 +5,7 @@ import { Choice } from "../../components/Choice";
 import { Empty, Loading, Refused } from "../../components/States";
 import { useComparison, useStudyBands } from "./asked";
 import { Boxes } from "./Boxes";
-import { axesOf, type Cell } from "./cells";
+import { axesOf, type Cell, canCompare } from "./cells";
 import { Effects } from "./Effects";
 import { Growth, Survival } from "./Growth";
 import { MEASURES, measureOf } from "./measures";
@@ -29,6 +29,7 @@ export function Figures({
   const by = firstOf(search, "by") === "agent" && agents.length > 1 ? "agent" : "method";
   const method = firstOf(search, "baseline_method");
   const agent = firstOf(search, "baseline_agent");
+  const isComparable = canCompare(cells, { method, agent });
   const bands = useStudyBands(study.id, finished);
   const comparison = useComparison(
     study.id,
@@ -37,6 +38,7 @@ export function Figures({
       ...(agent ? { baseline_agent: agent } : {}),
     },
     finished,
+    isComparable,
   );
   const campaigns = [...cells.values()].flatMap((cell) => cell.campaigns);
   const simulations = new Map(campaigns.map(({ id, simulations }) => [id, simulations]));
@@ -129,8 +131,10 @@ export function Figures({
           />
         </header>
         <div className="inside stack">
-          {finished < 2 ? (
-            <p className="quiet">Two campaigns must have finished.</p>
+          {!isComparable ? (
+            <p className="quiet">
+              Two finished repetitions of two methods, or of two ADSs, on one scenario are needed.
+            </p>
           ) : comparison.isError ? (
             <Refused error={comparison.error} />
           ) : comparison.isPending ? (

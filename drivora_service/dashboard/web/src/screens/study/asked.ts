@@ -32,10 +32,11 @@ export function useComparison(
   id: string,
   baselines: { readonly baseline_method?: string; readonly baseline_agent?: string },
   finished: number,
+  enabled: boolean,
 ) {
   return useQuery({
     queryKey: ["comparison", id, baselines, finished],
-    enabled: finished > 1,
+    enabled,
     placeholderData: keepPreviousData,
     queryFn: async () =>
       body(

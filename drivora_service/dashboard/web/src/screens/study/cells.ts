@@ -53,3 +53,30 @@ export function axesOf(cells: ReadonlyMap<string, Cell>) {
     methods: [...new Set(all.map(({ method }) => method))],
   };
 }
+
+const REPETITIONS_NEEDED = 2;
+/** The method that others are compared with, if a study has it. */
+const BASELINE = "random";
+
+/** Returns whether the service has something to compare with the baselines, "" the usual ones. */
+export function canCompare(
+  cells: ReadonlyMap<string, Cell>,
+  baselines: { readonly method: string; readonly agent: string },
+): boolean {
+  const { methods, agents } = axesOf(cells);
+  const usual = methods.includes(BASELINE) ? BASELINE : methods[0];
+  const method = baselines.method || usual;
+  const agent = baselines.agent || agents[0];
+  const ready = [...cells.values()].filter(
+    ({ campaigns }) =>
+      campaigns.filter(({ state }) => state === "finished").length >= REPETITIONS_NEEDED,
+  );
+  return ready.some((one) =>
+    ready.some(
+      (other) =>
+        one.scenario === other.scenario &&
+        ((one.method === method && other.method !== method && one.agent === other.agent) ||
+          (one.agent === agent && other.agent !== agent && one.method === other.method)),
+    ),
+  );
+}

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Schemas } from "../../api/client";
-import { axesOf, cellsOf, keyOf } from "./cells";
+import { axesOf, canCompare, cellsOf, keyOf } from "./cells";
 import { differing, flatten } from "./flatten";
 
 function campaign(method: string, simulations: number, avoidable: number | null, repetition = 1) {
@@ -26,6 +26,30 @@ describe("cells of a study", () => {
   it("keep the order of the campaigns", () => {
     const { methods } = axesOf(cellsOf([campaign("random", 1, 0), campaign("avfuzzer", 1, 0)]));
     expect(methods).toEqual(["random", "avfuzzer"]);
+  });
+});
+
+describe("methods of a study", () => {
+  const usual = { method: "", agent: "" };
+  const finished = (method: string, agent = "idm", repetitions = 2) =>
+    Array.from({ length: repetitions }, (_, repetition) => ({
+      ...campaign(method, 10, 0, repetition),
+      state: "finished" as const,
+      cell: { scenario: "left turn", agent, method, repetition },
+    }));
+  it("are compared once two repetitions of two of them have finished", () => {
+    const one = [...finished("random"), ...finished("avfuzzer", "idm", 1)];
+    expect(canCompare(cellsOf(one), usual)).toBe(false);
+    const two = cellsOf([...finished("random"), ...finished("avfuzzer")]);
+    expect(canCompare(two, usual)).toBe(true);
+    expect(canCompare(two, { method: "samota", agent: "" })).toBe(false);
+  });
+  it("are compared with the baseline alone, and ADSs by the same method", () => {
+    const others = [...finished("avfuzzer"), ...finished("samota"), campaign("random", 10, 0)];
+    expect(canCompare(cellsOf(others), usual)).toBe(false);
+    expect(canCompare(cellsOf(others), { ...usual, method: "samota" })).toBe(true);
+    const agents = cellsOf([...finished("random", "idm"), ...finished("random", "nmpc")]);
+    expect(canCompare(agents, usual)).toBe(true);
   });
 });
 
