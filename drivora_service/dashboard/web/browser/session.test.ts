@@ -86,3 +86,39 @@ it("only a token that may submit is offered to minimise a failing run", async ()
   }
   expect(offered).toEqual([0, 1]);
 });
+
+it("an empty list leads to the form, which says what a token that may only read may not", async () => {
+  const { page, context } = await open(browser, `${address}/campaigns`);
+  await page.getByLabel("Token").fill(reader);
+  await page.getByRole("button", { name: "Sign in" }).click();
+  await page.getByRole("heading", { name: "No campaign yet" }).waitFor();
+  expect(await page.getByRole("link", { name: "Compose one here" }).count()).toBe(0);
+  await page.goto(`${address}/campaigns/new`);
+  await page.getByText("Your token may read only.").waitFor();
+  await page.getByLabel("Example scenario").selectOption("market street");
+  await page.getByRole("button", { name: "Use it" }).click();
+  // The document is there for a command, and nothing was refused.
+  await page.getByText("town: tee-town").waitFor();
+  const start = page.getByRole("button", { name: "Start the campaign" });
+  expect(await start.isDisabled()).toBe(true);
+  await context.close();
+
+  const other = await open(browser, `${address}/campaigns`);
+  await other.page.getByLabel("Token").fill(submitter);
+  await other.page.getByRole("button", { name: "Sign in" }).click();
+  await other.page.getByRole("link", { name: "Compose one here" }).click();
+  await other.page.getByLabel("Example scenario").selectOption("market street");
+  await other.page.getByRole("button", { name: "Use it" }).click();
+  await other.page.getByText(/^Ready/).waitFor();
+  // Another tab has signed in with a token that may only read.
+  await other.page.evaluate(
+    `fetch("/api/v1/session", { method: "POST", body: ${JSON.stringify(JSON.stringify({ token: reader }))},
+      headers: { "content-type": "application/json" } }).then(({ status }) => status)`,
+  );
+  await other.page.getByRole("button", { name: "Start the campaign" }).click();
+  const refusal = other.page.getByRole("alert");
+  await refusal.waitFor();
+  expect(await refusal.innerText()).toMatch(/403[\s\S]*submit/);
+  expect((await new Api(address, reader).get<{ items: [] }>("/campaigns")).items).toEqual([]);
+  await other.context.close();
+});

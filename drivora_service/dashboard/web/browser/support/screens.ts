@@ -14,6 +14,7 @@ export interface Screen {
 export function screens(made: Made): readonly Screen[] {
   return [
     { route: "/campaigns", name: "campaigns", at: "/campaigns" },
+    { route: "/campaigns/new", name: "campaign-new", at: `/campaigns/new?run=${made.run}` },
     { route: "/campaigns/$id", name: "campaign", at: `/campaigns/${made.campaign}` },
     {
       route: "/campaigns/$id",
@@ -40,6 +41,7 @@ export function screens(made: Made): readonly Screen[] {
       at: `/minimizations/${made.minimization}`,
     },
     { route: "/studies", name: "studies", at: "/studies" },
+    { route: "/studies/new", name: "study-new", at: `/studies/new?study=${made.study}` },
     { route: "/studies/$id", name: "study", at: `/studies/${made.study}` },
     { route: "/runs", name: "runs", at: "/runs" },
     { route: "/runs", name: "runs-filtered", at: `/runs?batch=${made.collisions}&status=finished` },
