@@ -1,5 +1,4 @@
-"""Checking a scenario without running it, and what an editor shows of it."""
-"""Checking a scenario without running it, and examples to begin with."""
+"""Checking a scenario without running it, what an editor shows of it, and examples."""
 
 from __future__ import annotations
 
@@ -15,13 +14,8 @@ from drivora_service.api.lookups import KnownAgents, KnownNetworks
 from drivora_service.api.parameters import RunOverrides
 from drivora_service.api.problems import problem_items
 from drivora_service.api.resource_router import resource_router
-from drivora_service.api.schemas.service import (
-    InspectedActor,
-    Inspection,
-    Validation,
-)
 from drivora_service.api.schemas.catalogues import ExampleScenario, ExampleScenarioList
-from drivora_service.api.schemas.service import Validation
+from drivora_service.api.schemas.service import InspectedActor, Inspection, Validation
 from drivora_service.api.security import reader, submitter
 from drivora_service.api.submission import Checker, check_overrides
 from drivora_service.scenario.canonical import canonical_json
@@ -91,6 +85,8 @@ def inspect_scenario(request: Request, context: Context, body: bodies.RawBody) -
             for actor in found.actors
         ),
     )
+
+
 @router.get(
     "/scenarios:examples",
     response_model=ExampleScenarioList,

@@ -854,6 +854,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/models": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Models
+         * @description Lists the models of vehicles, walkers and obstacles that documents can name.
+         */
+        get: operations["list_models_api_v1_models_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/networks": {
         parameters: {
             query?: never;
@@ -1148,6 +1168,26 @@ export interface paths {
         get: operations["list_examples_api_v1_scenarios_examples_get"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/scenarios:inspect": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Inspect Scenario
+         * @description Returns the problems of a scenario, and its actors with their ways, valid or not.
+         */
+        post: operations["inspect_scenario_api_v1_scenarios_inspect_post"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1609,6 +1649,12 @@ export interface components {
          * @enum {string}
          */
         Accountability: "avoidable" | "not_measurable" | "unavoidable" | "undetermined" | "not_judged" | "not_at_fault";
+        /**
+         * ActorKind
+         * @description The kind of an actor.
+         * @enum {string}
+         */
+        ActorKind: "vehicle" | "walker" | "obstacle";
         /**
          * ActorPresence
          * @description The times of an actor in the world.
@@ -4163,6 +4209,83 @@ export interface components {
             version: string;
         };
         /**
+         * InspectedActor
+         * @description An actor as it appears, and its way, in the road network's plane.
+         */
+        InspectedActor: {
+            /** Id */
+            id: string;
+            kind: components["schemas"]["ActorKind"];
+            /**
+             * Length
+             * @description Metres.
+             */
+            length: number;
+            /**
+             * Path
+             * @description Its way, metres; empty if it stays or has none.
+             */
+            path: number[][];
+            /**
+             * Path Length
+             * @description Metres.
+             */
+            path_length: number;
+            /**
+             * Pointer
+             * @description JSON pointer to it.
+             */
+            pointer: string;
+            /**
+             * Width
+             * @description Metres.
+             */
+            width: number;
+            /**
+             * X
+             * @description Centre of its box at its start, metres.
+             */
+            x: number;
+            /**
+             * Y
+             * @description Centre of its box at its start, metres.
+             */
+            y: number;
+            /**
+             * Yaw
+             * @description Heading at its start, radians counter-clockwise from east.
+             */
+            yaw: number;
+        };
+        /**
+         * Inspection
+         * @description What an editor shows of a scenario while it is written.
+         */
+        Inspection: {
+            /**
+             * Actors
+             * @description The actors that are well-formed; others are in the problems.
+             */
+            actors: components["schemas"]["InspectedActor"][];
+            /**
+             * Notes
+             * @description Warnings about a valid scenario.
+             */
+            notes: string[];
+            /** Problems */
+            problems: components["schemas"]["ProblemItem"][];
+            /**
+             * Town
+             * @description Its road network; empty if that is unknown.
+             */
+            town: string;
+            /**
+             * Valid
+             * @description Whether it can be run.
+             */
+            valid: boolean;
+        };
+        /**
          * ItemResult
          * @description The result of one scenario of a batch.
          * @enum {string}
@@ -4981,6 +5104,45 @@ export interface components {
             /** Started At */
             started_at: string | null;
             state: components["schemas"]["MinimizationState"];
+        };
+        /**
+         * Model
+         * @description A model of actors.
+         */
+        Model: {
+            /**
+             * Height
+             * @description Metres.
+             */
+            height: number;
+            kind: components["schemas"]["ActorKind"];
+            /**
+             * Length
+             * @description Metres.
+             */
+            length: number;
+            /**
+             * Max Speed
+             * @description m/s; 0 if it does not move.
+             */
+            max_speed: number;
+            /** Name */
+            name: string;
+            /** @description null if it is not a vehicle. */
+            vehicle_class: components["schemas"]["VehicleClass"] | null;
+            /**
+             * Width
+             * @description Metres.
+             */
+            width: number;
+        };
+        /**
+         * ModelList
+         * @description All models of actors.
+         */
+        ModelList: {
+            /** Items */
+            items: components["schemas"]["Model"][];
         };
         /**
          * Movement
@@ -8325,6 +8487,12 @@ export interface components {
             /** Valid */
             valid: boolean;
         };
+        /**
+         * VehicleClass
+         * @description The class of a vehicle model.
+         * @enum {string}
+         */
+        VehicleClass: "car" | "van" | "truck" | "bus" | "motorcycle" | "bicycle";
         /**
          * VehicleDynamics
          * @description Vehicle model of an ego.
@@ -12091,6 +12259,62 @@ export interface operations {
             };
         };
     };
+    list_models_api_v1_models_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ModelList"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     list_networks_api_v1_networks_get: {
         parameters: {
             query?: never;
@@ -13198,6 +13422,85 @@ export interface operations {
             };
             /** @description Forbidden */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    inspect_scenario_api_v1_scenarios_inspect_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ScenarioDocument"];
+                "application/yaml": components["schemas"]["ScenarioDocument"];
+            };
+        };
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Inspection"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
                 headers: {
                     [name: string]: unknown;
                 };

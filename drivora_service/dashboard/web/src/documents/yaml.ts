@@ -9,10 +9,10 @@ import {
   visit,
 } from "yaml";
 import type { Json } from "../components/fields/pointers";
+import { LONGEST_LINE } from "./json";
 
 /** Values of YAML 1.1 that JSON does not have: they stay text, and the service says what is wrong. */
 const NOT_JSON = new Set(["timestamp", "binary", "omap", "pairs", "set", "merge"]);
-const LONGEST_LINE = 90;
 
 const TRUE = /^(?:yes|true|on)$/i;
 const FALSE = /^(?:no|false|off)$/i;
@@ -31,14 +31,31 @@ function lastWord(tag: string): string {
   return tag.slice(tag.lastIndexOf(":") + 1);
 }
 
+/** A mistake of a text, and where it is. */
+export class YamlError extends SyntaxError {
+  constructor(
+    message: string,
+    readonly from: number,
+    readonly to: number,
+  ) {
+    super(message);
+  }
+}
+
+/** Returns the parts of a text as the service reads them; mistakes are in them. */
+export function parsedYaml(text: string) {
+  return parseDocument(text, { version: "1.1", customTags: asService, prettyErrors: true });
+}
+
 /** Reads YAML as the service does: version 1.1, without anchors and aliases. */
 export function readYaml(text: string): Json {
-  const read = parseDocument(text, { version: "1.1", customTags: asService, prettyErrors: true });
+  const read = parsedYaml(text);
   const [error] = read.errors;
-  if (error) throw new SyntaxError(error.message.split("\n")[0]);
+  if (error) throw new YamlError(error.message.split("\n")[0] ?? "", ...error.pos);
   visit(read, {
-    Alias: () => {
-      throw new SyntaxError("found an alias; write out what it stands for");
+    Alias: (_, { range }) => {
+      const [from = 0, to = from] = range ?? [];
+      throw new YamlError("found an alias; write out what it stands for", from, to);
     },
   });
   return read.toJS() as Json;

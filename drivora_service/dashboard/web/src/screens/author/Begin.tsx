@@ -1,4 +1,5 @@
 import { useState } from "react";
+import { ExampleSource, RunSource } from "../compose/ScenarioSources";
 import { FileChoice } from "./FileChoice";
 import { emptyScenario } from "./scenario";
 import type { Draft } from "./useDraft";
@@ -38,9 +39,12 @@ export function Begin({
             </li>
           ))}
         </ul>
-        <p>
-          Or open a scenario: <FileChoice onOpen={draft.open} onRefused={setRefusal} />
-        </p>
+        <h2>Or begin with a scenario</h2>
+        <div className="sources">
+          <FileChoice onOpen={draft.open} onRefused={setRefusal} />
+          <RunSource onAdd={({ document }) => draft.open(document)} onRefused={setRefusal} />
+          <ExampleSource onAdd={({ document }) => draft.open(document)} />
+        </div>
         {refusal && (
           <p role="alert" className="problem">
             {refusal}

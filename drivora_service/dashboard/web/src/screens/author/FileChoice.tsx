@@ -1,6 +1,6 @@
 import { useRef } from "react";
 import type { JsonObject } from "../../components/fields/pointers";
-import { readText } from "./text";
+import { readDocument } from "../../documents/files";
 
 const LARGEST_BYTES = 8_000_000;
 
@@ -17,11 +17,12 @@ export function FileChoice({
     if (!file) return;
     if (file.size > LARGEST_BYTES)
       return onRefused(`${file.name} is longer than ${LARGEST_BYTES / 1e6} MB.`);
-    const found = readText(await file.text(), /\.json$/i.test(file.name) ? "json" : "yaml");
-    if ("error" in found) onRefused(`${file.name}: ${found.error}`);
-    else {
+    try {
+      const { document } = await readDocument(file.name, await file.text());
       onRefused("");
-      onOpen(found.document);
+      onOpen(document);
+    } catch (error) {
+      onRefused(error instanceof Error ? error.message : String(error));
     }
   };
   return (

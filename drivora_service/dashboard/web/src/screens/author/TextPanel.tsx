@@ -2,6 +2,7 @@ import type { Diagnostic } from "@codemirror/lint";
 import { lazy, Suspense, useEffect, useMemo, useState } from "react";
 import type { JsonObject, PlacedProblem } from "../../components/fields/pointers";
 import { Loading } from "../../components/States";
+import { save } from "../../documents/save";
 import { useRemembered } from "../../lists/remembered";
 import { type Language, readText, TextPlaces, writeText } from "./text";
 
@@ -57,7 +58,6 @@ export function TextPanel({
     setTyped({ text: now, of: read.document });
     onRead(read.document);
   };
-  const download = `data:application/${language};charset=utf-8,${encodeURIComponent(text)}`;
   return (
     <section className="author-words" aria-label="Text of the scenario">
       <p className="row-of-buttons">
@@ -75,9 +75,9 @@ export function TextPanel({
             {one.toUpperCase()}
           </button>
         ))}
-        <a className="button" href={download} download={`scenario.${language}`}>
+        <button type="button" onClick={() => save(`scenario.${language}`, text)}>
           Download
-        </a>
+        </button>
       </p>
       <Suspense fallback={<Loading rows={10} />}>
         <TextEditor

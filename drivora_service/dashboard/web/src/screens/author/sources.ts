@@ -1,7 +1,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { firstOf, type Search } from "../../address";
-import { api, body } from "../../api/client";
 import type { JsonObject } from "../../components/fields/pointers";
+import { ofEvaluation, ofRun } from "../compose/beginning";
 
 /** Where a scenario comes from that an address names. */
 export interface Source {
@@ -26,20 +26,8 @@ export function useSource(source: Source | undefined) {
     queryKey: ["scenario", source],
     enabled: source !== undefined,
     queryFn: async (): Promise<JsonObject> => {
-      if (source?.run) {
-        const path = { run_id: source.run };
-        const answer = await api.GET("/api/v1/runs/{run_id}/scenario", { params: { path } });
-        return body(answer) as unknown as JsonObject;
-      }
-      const path = {
-        campaign_id: source?.campaign ?? "",
-        number: Number(source?.evaluation ?? 0),
-      };
-      const answer = await api.GET(
-        "/api/v1/campaigns/{campaign_id}/evaluations/{number}/scenario",
-        { params: { path } },
-      );
-      return body(answer) as unknown as JsonObject;
+      const { run = "", campaign = "", evaluation = "" } = source ?? {};
+      return (run ? await ofRun(run) : await ofEvaluation(campaign, evaluation)).document;
     },
   });
 }

@@ -6,6 +6,7 @@ import { fieldId } from "../../components/fields/Field";
 import { isObject, type JsonObject, keysOf, valueAt } from "../../components/fields/pointers";
 import type { Camera } from "../../roads/camera";
 import { useScope } from "../../shell/session";
+import { HANDED_OVER } from "../compose/beginning";
 import { extentOf, type Part } from "../networks/search";
 import type { Chosen } from "./AuthorLayer";
 import type { AuthorMapHandle } from "./AuthorMap";
@@ -30,8 +31,6 @@ import { useInspection } from "./useInspection";
 import type { KnownModels } from "./useModels";
 
 const NOTHING: Chosen = { actor: "", place: "" };
-/** Under this key a scenario is handed to the screen that makes a campaign of it. */
-const HANDED = "drivora:scenario";
 
 /** What is on the desk, and what can be done with it. */
 export type Desk = ReturnType<typeof useDesk>;
@@ -179,8 +178,8 @@ export function useDesk(
     },
     start: () => canRun && run.mutate(),
     vary: () => {
-      sessionStorage.setItem(HANDED, JSON.stringify(scenario));
-      void navigate({ to: "/campaigns", search: { from: "author" } });
+      sessionStorage.setItem(HANDED_OVER, JSON.stringify(scenario));
+      void navigate({ to: "/campaigns/new", search: { from: "author" } });
     },
   };
 }

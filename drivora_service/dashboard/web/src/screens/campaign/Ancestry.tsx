@@ -118,6 +118,8 @@ function Verdicts({
             >
               Edit
             </Link>
+          )}
+          {evaluation.scenario_url && (
             <SearchFrom search={{ campaign, evaluation: String(number) }} />
           )}
           {evaluation.scenario_url && (

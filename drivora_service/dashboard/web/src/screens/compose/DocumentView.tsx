@@ -3,6 +3,8 @@ import { useState } from "react";
 import { Copy } from "../../components/Copy";
 import type { JsonObject } from "../../components/fields/pointers";
 import { fileNameOf } from "../../documents/files";
+import { writeJson } from "../../documents/json";
+import { save } from "../../documents/save";
 import type { Kind } from "./draft";
 
 type Form = "json" | "yaml";
@@ -29,7 +31,7 @@ export function DocumentView({
     placeholderData: (before) => before,
     gcTime: 0,
   });
-  const text = form === "json" ? JSON.stringify(document, null, 2) : (yaml.data ?? "");
+  const text = form === "json" ? writeJson(document) : (yaml.data ?? "");
   const file = `${fileNameOf(name)}.${form}`;
   const command = `drivora ${kind} run ${file} --server ${window.location.origin}`;
   return (
@@ -71,13 +73,4 @@ export function DocumentView({
       </footer>
     </section>
   );
-}
-
-function save(file: string, text: string): void {
-  const address = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
-  const link = window.document.createElement("a");
-  link.href = address;
-  link.download = file;
-  link.click();
-  URL.revokeObjectURL(address);
 }

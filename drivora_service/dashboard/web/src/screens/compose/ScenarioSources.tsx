@@ -3,6 +3,7 @@ import { useState } from "react";
 import { api, body } from "../../api/client";
 import type { JsonObject } from "../../components/fields/pointers";
 import { ofRun } from "./beginning";
+import "./compose.css";
 import type { SeedScenario } from "./draft";
 
 type Added = Omit<SeedScenario, "id">;
@@ -44,7 +45,8 @@ export function ScenarioSources({
   );
 }
 
-function RunSource({
+/** Takes the scenario of a run by its id. */
+export function RunSource({
   onAdd,
   onRefused,
 }: {
@@ -98,7 +100,8 @@ function RunSource({
   );
 }
 
-function ExampleSource({ onAdd }: { readonly onAdd: (scenario: Added) => void }) {
+/** Chooses one of the example scenarios of the package. */
+export function ExampleSource({ onAdd }: { readonly onAdd: (scenario: Added) => void }) {
   const [name, setName] = useState("");
   const { data } = useQuery({
     queryKey: ["example-scenarios"],

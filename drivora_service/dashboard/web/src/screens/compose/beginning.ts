@@ -66,7 +66,8 @@ export async function ofRun(id: string): Promise<Added> {
   return { label: label || town, origin: `of run ${id}`, document };
 }
 
-async function ofEvaluation(campaign: string, evaluation: string): Promise<Added> {
+/** Reads the scenario of an evaluation. */
+export async function ofEvaluation(campaign: string, evaluation: string): Promise<Added> {
   const path = { campaign_id: campaign, number: Number(evaluation) };
   const document = body(
     await api.GET("/api/v1/campaigns/{campaign_id}/evaluations/{number}/scenario", {
