@@ -295,6 +295,24 @@ def test_a_campaign_and_its_lists(client: Client, campaign: Campaign) -> None:
     assert (validation.tester, validation.town) == ("random", "tee-town")
 
 
+def test_a_study_of_what_there_is_to_begin_with(client: Client) -> None:
+    example, *_ = client.example_scenarios().items
+    _, preset, *_ = client.space_presets().items
+    study = {
+        "name": "checked",
+        "scenarios": [{"document": example.document}],
+        "methods": [{"name": "random"}],
+        "repetitions": 3,
+        "space": {"preset": preset.name},
+        "budget": {"simulations": 2},
+    }
+    checked = client.validate_study(study)
+    assert (checked.campaigns, checked.simulations) == (3, 6)
+    assert preset.description in checked.notes[0]
+    with pytest.raises(InvalidDocument, match="agents"):
+        client.validate_study({**study, "agents": [{"name": "none"}]})
+
+
 def test_the_evaluations_of_a_campaign(client: Client, campaign: Campaign) -> None:
     evaluations = tuple(client.evaluations(campaign.id))
     assert [one.number for one in evaluations] == list(range(campaign.counts.evaluations))
