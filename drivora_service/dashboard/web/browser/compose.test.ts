@@ -41,6 +41,13 @@ const ready = (page: Page) =>
 const unexpected = (complaints: readonly string[]) =>
   complaints.filter((said) => !/422 .*:validate/.test(said));
 
+const DROP_BROKEN_FILE = `
+  const transfer = new DataTransfer();
+  transfer.items.add(new File(['{"ego_vehicles": '], "broken.json"));
+  const dropped = { dataTransfer: transfer, bubbles: true, cancelable: true };
+  document.querySelector(".seeds").dispatchEvent(new DragEvent("drop", dropped));
+`;
+
 async function hasFocus(wanted: Locator): Promise<boolean> {
   return (await wanted.count()) > 0 && wanted.evaluate((one) => one === document.activeElement);
 }
@@ -276,10 +283,16 @@ it("a search begins from an evaluation, and from what the author screen leaves",
 
 it("what cannot be read or run is told where it is", async () => {
   const { page, context } = await open(browser, `${url}/campaigns/new`);
-  const broken = join(folder, "broken.json");
-  writeFileSync(broken, '{"ego_vehicles": ');
-  await page.getByLabel("Choose a file").setInputFiles(broken);
+  await page.evaluate(DROP_BROKEN_FILE);
   await page.getByText("broken.json is not JSON").waitFor();
+  await page.getByLabel("Id of a run").fill("none");
+  await page.keyboard.press("Enter");
+  await page.getByText("unknown run 'none'").waitFor();
+  await page.getByLabel("Id of a run").fill(made.run);
+  await page.keyboard.press("Enter");
+  await ready(page);
+  await page.getByRole("button", { name: "Begin again" }).click();
+  await page.getByText("Choose a scenario to begin.").waitFor();
   const elsewhere = join(folder, "elsewhere.json");
   writeFileSync(
     elsewhere,
@@ -301,7 +314,10 @@ it("what cannot be read or run is told where it is", async () => {
   await page.getByLabel("Failures", { exact: true }).selectOption("campaign");
   await page.getByRole("spinbutton", { name: "Novelty" }).fill("2");
   await status(page).getByText("1 problem").waitFor();
-  await page.locator("summary", { hasText: "Parameters" }).click();
+  // What was set for a method is there again after a look at another one.
+  await page.getByRole("radio", { name: "Random" }).check();
+  await ready(page);
+  await page.getByRole("radio", { name: "BehAVExplor" }).check();
   await page.getByRole("button", { name: "/tester/parameters/novelty" }).click();
   expect(await hasFocus(page.getByRole("spinbutton", { name: "Novelty" }))).toBe(true);
   await page.getByRole("button", { name: "Novelty: back to 0.4" }).click();

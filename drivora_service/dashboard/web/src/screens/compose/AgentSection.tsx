@@ -3,8 +3,9 @@ import { Problems } from "../../components/fields/Field";
 import { type Json, valueAt } from "../../components/fields/pointers";
 import { Prose } from "../../components/Prose";
 import { AgentSelect, AgentSettings, agentFieldId, NotInstalled } from "./AgentParts";
+import { withRow } from "./draft";
 import type { Form } from "./form";
-import { PartRow, withRow } from "./PartRow";
+import { PartRow } from "./PartRow";
 import { Section } from "./Section";
 import { agentsOf } from "./scenarioWords";
 

@@ -1,9 +1,8 @@
 import type { ReactNode } from "react";
 import { Field, fieldId, Problems } from "../../components/fields/Field";
 import { propertiesOf } from "../../components/fields/jsonSchema";
-import { type Json, type JsonObject, valueAt } from "../../components/fields/pointers";
+import { valueAt } from "../../components/fields/pointers";
 import { Prose } from "../../components/Prose";
-import { labelled } from "./draft";
 import type { Form } from "./form";
 import { Folded } from "./Section";
 
@@ -71,13 +70,4 @@ export function PartRow({
       )}
     </li>
   );
-}
-
-/** Returns rows with another at the end, with a label of its own if its name is taken. */
-export function withRow(rows: readonly Json[], name: string): readonly JsonObject[] {
-  const taken = new Set(rows.map((row) => valueAt(row, "/label") ?? valueAt(row, "/name")));
-  let label = name;
-  for (let number = 2; taken.has(label); number++) label = labelled(`${name} ${number}`);
-  const added = label === name ? { name } : { name, label };
-  return [...(rows as readonly JsonObject[]), added];
 }

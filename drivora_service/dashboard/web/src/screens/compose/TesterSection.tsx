@@ -1,11 +1,12 @@
-import { useState } from "react";
+import { useRef, useState } from "react";
 import type { Schemas } from "../../api/client";
 import { fieldId, Problems } from "../../components/fields/Field";
 import { type Json, valueAt } from "../../components/fields/pointers";
 import { Mark } from "../../components/Mark";
 import { Prose } from "../../components/Prose";
+import { withRow } from "./draft";
 import type { Form } from "./form";
-import { PartRow, withRow } from "./PartRow";
+import { PartRow } from "./PartRow";
 import { Section } from "./Section";
 import { TesterSettings } from "./TesterParts";
 
@@ -13,7 +14,14 @@ type Tester = Schemas["Tester"];
 
 /** The method of a campaign. */
 export function TesterSection({ form }: { readonly form: Form }) {
-  const chosen = valueAt(form.draft.settings, "/tester/name");
+  const now = valueAt(form.draft.settings, "/tester");
+  const chosen = valueAt(now, "/name");
+  // Arrow keys pass over other methods: each keeps what was set for it.
+  const before = useRef(new Map<string, Json>());
+  const choose = (name: string) => {
+    if (typeof chosen === "string" && now !== undefined) before.current.set(chosen, now);
+    form.set("/tester", before.current.get(name) ?? { name });
+  };
   return (
     <Section
       pointer="/tester"
@@ -32,7 +40,7 @@ export function TesterSection({ form }: { readonly form: Form }) {
               value={tester.name}
               checked={tester.name === chosen}
               disabled={!tester.installed}
-              onChange={() => form.set("/tester", { name: tester.name })}
+              onChange={() => choose(tester.name)}
             />
             <Described tester={tester} />
           </label>

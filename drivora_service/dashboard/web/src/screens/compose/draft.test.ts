@@ -5,6 +5,7 @@ import {
   labelled,
   nameOf,
   scenarioPointer,
+  withRow,
   withScenario,
   withSetting,
 } from "./draft";
@@ -59,6 +60,14 @@ it("a typed name stays, though the method changes", () => {
   const draft = withSetting(emptyDraft("campaign"), "/name", "nightly");
   expect(nameOf("campaign", withSetting(draft, "/tester/name", "avfuzzer"))).toBe("nightly");
   expect(nameOf("campaign", withSetting(draft, "/name", undefined))).toBe("campaign, random");
+});
+
+it("a method that is added again has a label of its own", () => {
+  const once = withRow([], "avfuzzer");
+  expect(once).toEqual([{ name: "avfuzzer" }]);
+  const twice = withRow(once, "avfuzzer");
+  expect(twice.at(-1)).toEqual({ name: "avfuzzer", label: "avfuzzer 2" });
+  expect(withRow(twice, "avfuzzer").at(-1)).toEqual({ name: "avfuzzer", label: "avfuzzer 3" });
 });
 
 it("labels are on one line and short", () => {

@@ -130,6 +130,15 @@ export function withScenario(
   return [...scenarios, { ...added, label, id: String(Math.max(0, ...ids) + 1) }];
 }
 
+/** Returns rows with another at the end, with a label of its own if its name is taken. */
+export function withRow(rows: readonly Json[], name: string): readonly JsonObject[] {
+  const taken = new Set(rows.map((row) => valueAt(row, "/label") ?? valueAt(row, "/name")));
+  let label = name;
+  for (let number = 2; taken.has(label); number++) label = labelled(`${name} ${number}`);
+  const added = label === name ? { name } : { name, label };
+  return [...(rows as readonly JsonObject[]), added];
+}
+
 /** Returns a draft with another value at a place of its settings. */
 export function withSetting(draft: Draft, pointer: string, value: Json | undefined): Draft {
   return { ...draft, settings: withValue(draft.settings, pointer, value) };
