@@ -305,10 +305,17 @@ it("what cannot be read or run is told where it is", async () => {
   expect(await hasFocus(row)).toBe(true);
   expect(await row.innerText()).toContain("Nowhere");
 
-  // The parameter of a method, in a part that is folded.
+  // A method that needs another space than the default, which it offers.
   await page.getByRole("button", { name: "Remove elsewhere" }).click();
   await page.getByLabel("Example scenario").selectOption("market street");
   await page.getByRole("button", { name: "Use it" }).click();
+  await page.getByRole("radio", { name: "DoppelTest" }).check();
+  await status(page).getByText("1 problem").waitFor();
+  await page.getByRole("button", { name: "Vary that" }).click();
+  await ready(page);
+  expect(await shown(page)).toMatchObject({ space: { preset: "doppeltest" } });
+
+  // The parameter of a method, in a part that is folded.
   await page.getByRole("radio", { name: "BehAVExplor" }).check();
   await page.locator("summary", { hasText: "Parameters" }).click();
   await page.getByLabel("Failures", { exact: true }).selectOption("campaign");

@@ -108,7 +108,9 @@ function sentence(words: string): string {
 export function Problems({ problems }: { readonly problems: readonly PlacedProblem[] }) {
   return problems.map(({ pointer, message }) => (
     <p key={`${pointer} ${message}`} className="problem">
-      {message}
+      <span>
+        <Prose text={message} />
+      </span>
     </p>
   ));
 }

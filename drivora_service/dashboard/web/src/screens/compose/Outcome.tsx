@@ -3,6 +3,7 @@ import type { ReactNode } from "react";
 import { fieldId } from "../../components/fields/Field";
 import { ancestry, type PlacedProblem } from "../../components/fields/pointers";
 import { Mark } from "../../components/Mark";
+import { Prose } from "../../components/Prose";
 import { Refused } from "../../components/States";
 import { useScope } from "../../shell/session";
 import type { Validation } from "./useValidation";
@@ -120,7 +121,7 @@ function ProblemList({ problems }: { readonly problems: readonly PlacedProblem[]
           <button type="button" className="plain" onClick={() => jumpTo(pointer)}>
             <code>{pointer || "/"}</code>
           </button>{" "}
-          {message}
+          <Prose text={message} />
         </li>
       ))}
     </ul>
@@ -132,7 +133,9 @@ function Notes({ notes }: { readonly notes: readonly string[] }) {
   return (
     <ul className="problems quiet" aria-label="Notes">
       {notes.map((note) => (
-        <li key={note}>{note}</li>
+        <li key={note}>
+          <Prose text={note} />
+        </li>
       ))}
     </ul>
   );

@@ -66,7 +66,6 @@ export function SpaceSection({ form }: { readonly form: Form }) {
         )}
         <Problems problems={form.problemsOf("/space/preset")} />
       </div>
-      <Suggested form={form} chosen={name} onChoose={choose} />
       <Fields {...shared} names={FIRST} />
       <Folded
         title="More of the space"
@@ -76,28 +75,5 @@ export function SpaceSection({ form }: { readonly form: Form }) {
         <Fields {...shared} names={rest} />
       </Folded>
     </Section>
-  );
-}
-
-/** The space that the authors of the chosen method search. */
-function Suggested({
-  form,
-  chosen,
-  onChoose,
-}: {
-  readonly form: Form;
-  readonly chosen: string;
-  readonly onChoose: (name: string) => void;
-}) {
-  const tester = valueAt(form.draft.settings, "/tester/name");
-  const own = form.catalogues.presets.find(({ name }) => name === tester);
-  if (!own || own.name === chosen) return null;
-  return (
-    <p>
-      The authors of this method search the space <code>{own.name}</code>: {own.description}.{" "}
-      <button type="button" onClick={() => onChoose(own.name)}>
-        Use it
-      </button>
-    </p>
   );
 }

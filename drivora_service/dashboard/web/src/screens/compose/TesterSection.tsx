@@ -46,8 +46,25 @@ export function TesterSection({ form }: { readonly form: Form }) {
           </label>
         ))}
       </fieldset>
+      <OwnSpace form={form} />
       <TesterSettings form={form} pointer="/tester" />
     </Section>
+  );
+}
+
+/** The space that the authors of the chosen method search, unless it is chosen. */
+function OwnSpace({ form }: { readonly form: Form }) {
+  const { settings } = form.draft;
+  const tester = valueAt(settings, "/tester/name");
+  const own = form.catalogues.presets.find(({ name }) => name === tester);
+  if (!own || valueAt(settings, "/space/preset") === own.name) return null;
+  return (
+    <p>
+      The authors of this method search the space <code>{own.name}</code>: {own.description}.{" "}
+      <button type="button" onClick={() => form.set("/space", { preset: own.name })}>
+        Vary that
+      </button>
+    </p>
   );
 }
 
