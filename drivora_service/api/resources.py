@@ -38,7 +38,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("sessions", "/session"),
         ("workers", "/workers"),
         ("networks", "/networks([/:].*)?"),
-        ("catalogues", "/((agents|testers|oracles)([/:].*)?|metrics:describe)"),
+        ("catalogues", "/((agents|models|testers|oracles)([/:].*)?|metrics:describe)"),
     )
 }
 """Modules in ``routes``, and the paths that each serves below the prefix."""
