@@ -6,7 +6,8 @@ The tree::
     ├── InvalidDocument        a document cannot be used; carries every problem at once
     ├── UnknownName            a network, agent, model, oracle or run that does not exist
     ├── NetworkError           a road network cannot be read, imported or driven as asked
-    │   └── NoRoute            no drivable route between two places
+    │   ├── NoRoute            no drivable route between two places
+    │   └── NetworkTaken       another network has the name
     ├── AgentError             an ADS raised, gave an invalid answer, hung or died
     ├── PluginError            code of a package cannot be loaded, raised or answered invalidly
     │   └── OracleError        it is an oracle
@@ -83,6 +84,10 @@ class NetworkError(DrivoraError):
 
 class NoRoute(NetworkError):
     """There is no drivable route between two places of a network."""
+
+
+class NetworkTaken(NetworkError):
+    """Another network has the name under which one is to be imported."""
 
 
 class AgentError(DrivoraError):

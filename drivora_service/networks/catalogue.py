@@ -16,6 +16,8 @@ _NAME = re.compile(r"[A-Za-z0-9_-]{1,64}", re.ASCII)
 
 _SUFFIX = ".net.xml"
 
+_Version = tuple[int, int, int]
+
 
 def shipped_networks() -> Path:
     """Returns the folder of the shipped networks, in a checkout or in an installed package."""
@@ -51,7 +53,7 @@ class NetworkCatalogue:
 
     def __init__(self, shipped: Path, imported: Path | None = None) -> None:
         self._folders = (shipped,) if imported is None else (shipped, imported)
-        self._networks: dict[str, tuple[tuple[int, int], RoadNetwork]] = {}
+        self._networks: dict[str, tuple[_Version, RoadNetwork]] = {}
         self._locks: dict[str, threading.Lock] = {}
 
     def names(self) -> tuple[str, ...]:
@@ -91,8 +93,7 @@ class NetworkCatalogue:
             NetworkError: Its file cannot be used.
         """
         path = self.path(name)
-        status = path.stat()
-        version = (status.st_mtime_ns, status.st_size)
+        version = _version(path)
         # One lock for each network: others are available while a large one is read.
         with self._locks.setdefault(name, threading.Lock()):
             known = self._networks.get(name)
@@ -100,6 +101,17 @@ class NetworkCatalogue:
                 known = (version, load_network(path, name))
                 self._networks[name] = known
             return known[1]
+
+    def is_current(self, network: RoadNetwork) -> bool:
+        """Returns whether a network that this catalogue has read still is what its file holds."""
+        known = self._networks.get(network.name)
+        if known is None or known[1] is not network:
+            return False
+        try:
+            path = self.path(network.name)
+            return path == network.path and _version(path) == known[0]
+        except (OSError, UnknownName):
+            return False
 
     def provenance(self, name: str) -> Provenance | None:
         """Returns the provenance of a network; None if no ``provenance.yaml`` is beside it.
@@ -112,3 +124,9 @@ class NetworkCatalogue:
         if folder.name != name or not (folder / FILE_NAME).is_file():
             return None
         return read_provenance(folder)
+
+
+def _version(path: Path) -> _Version:
+    """Returns what changes with a file: one that replaces another is a file of its own."""
+    status = path.stat()
+    return status.st_mtime_ns, status.st_size, status.st_ino

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 
@@ -96,3 +97,22 @@ def test_shipped_networks_have_their_provenance() -> None:
         provenance = catalogue.provenance(name)
         assert provenance is not None
         assert provenance.licence
+
+
+def test_a_replacement_is_found_by_more_than_its_time_and_size(folders: tuple[Path, Path]) -> None:
+    catalogue = NetworkCatalogue(*folders)
+    path = catalogue.path("flat")
+    before = catalogue.get("flat")
+    assert catalogue.is_current(before)
+    other = path.with_name("other")
+    other.write_text(path.read_text().replace('netOffset="5.00', 'netOffset="9.00'))
+    times = path.stat()
+    os.utime(other, ns=(times.st_atime_ns, times.st_mtime_ns))
+    other.replace(path)
+    assert not catalogue.is_current(before)
+    after = catalogue.get("flat")
+    assert (before.net_offset[0], after.net_offset[0]) == (5.0, 9.0)
+    assert not catalogue.is_current(before)
+    assert catalogue.is_current(after)
+    path.unlink()
+    assert not catalogue.is_current(after)
