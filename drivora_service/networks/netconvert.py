@@ -125,7 +125,10 @@ def _limit(pid: int) -> None:
         # A process that has ended needs no limits.
         with contextlib.suppress(ProcessLookupError):
             for limit, most in _LIMITS:
-                resource.prlimit(pid, limit, (most, most))
+                _, hard = resource.prlimit(pid, limit)
+                # One that this process has itself cannot be raised.
+                own = most if hard == resource.RLIM_INFINITY else min(most, hard)
+                resource.prlimit(pid, limit, (own, own))
 
 
 def _signal(number: int) -> str:
