@@ -30,6 +30,7 @@ from benchmarks.million_campaigns import fill_campaigns
 from benchmarks.million_fill import fill_runs
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
+from drivora_service.api.network_imports import NetworkImports
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.engine_process import EngineSetup
 from drivora_service.campaigns.folder import CampaignFolder
@@ -216,7 +217,9 @@ def application(database: Database, folder: Path) -> FastAPI:
             revision=database.changes.value,
             catalogues=catalogues,
             tokens=None,
-            limits=Limits(body_bytes=1 << 20, batch_items=100, queued_runs=10**6),
+            limits=Limits(
+                body_bytes=1 << 20, network_bytes=1 << 20, batch_items=100, queued_runs=10**6
+            ),
             trace_path=traces.path,
             gene_spaces=GeneSpaces(catalogues),
             campaign_folder=lambda campaign_id: CampaignFolder(folder / "campaigns", campaign_id),
@@ -229,6 +232,7 @@ def application(database: Database, folder: Path) -> FastAPI:
                 campaign_folder=lambda one: CampaignFolder(folder / "campaigns", one),
             ),
             minimizations=MinimizationRunner(lambda: database, catalogues, traces.path, at_once=1),
+            imports=NetworkImports(folder / "networks"),
             reserve=lambda _runs: "",
             faults=dict,
             storage_fault=lambda: "",

@@ -14,6 +14,7 @@ from fastapi import FastAPI
 from drivora_service.api.application import create_api
 from drivora_service.api.change_feed import feed_of
 from drivora_service.api.context import ApiContext, Limits
+from drivora_service.api.network_imports import NetworkImports
 from drivora_service.api.sessions import SessionFile
 from drivora_service.api.tokens import TokenFile
 from drivora_service.campaigns.catalogues import Catalogues
@@ -159,8 +160,11 @@ def create_service(
         minimizations.stop()
         dispatcher.stop(drain_s=seconds)
 
+    imports = NetworkImports(settings.imported_networks_dir)
+
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        imports.remove_left()
         infrastructure.start(on_change=dispatcher.wake)
         dispatcher.start()
         try:
@@ -187,6 +191,7 @@ def create_service(
         sessions=None if tokens is None else SessionFile(settings.sessions_path, tokens),
         limits=Limits(
             body_bytes=int(settings.max_body_mb * (1 << 20)),
+            network_bytes=int(settings.max_network_mb * (1 << 20)),
             batch_items=settings.max_batch_items,
             queued_runs=settings.queue_limit,
         ),
@@ -202,6 +207,7 @@ def create_service(
             campaign_folder=engine_setup.folder,
         ),
         minimizations=minimizations,
+        imports=imports,
         reserve=lambda _runs: "",
         faults=faults,
         storage_fault=lambda: infrastructure.fault,

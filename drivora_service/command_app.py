@@ -19,6 +19,7 @@ from fastapi import FastAPI
 
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
+from drivora_service.api.network_imports import NetworkImports
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.command_campaigns import CommandCampaigns
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
@@ -243,7 +244,12 @@ def create_command_app(
         revision=lambda: None,
         catalogues=catalogues,
         tokens=None,
-        limits=Limits(body_bytes=_NO_LIMIT, batch_items=_NO_LIMIT, queued_runs=_NO_LIMIT),
+        limits=Limits(
+            body_bytes=_NO_LIMIT,
+            network_bytes=_NO_LIMIT,
+            batch_items=_NO_LIMIT,
+            queued_runs=_NO_LIMIT,
+        ),
         trace_path=traces.path,
         gene_spaces=GeneSpaces(catalogues),
         campaign_folder=campaign_folder,
@@ -251,6 +257,7 @@ def create_command_app(
         campaigns=campaigns,
         studies=studies,
         minimizations=minimizations,
+        imports=NetworkImports(settings.imported_networks_dir),
         reserve=runs.reserve,
         faults=faults,
         storage_fault=lambda: "",

@@ -92,6 +92,12 @@ class Settings(BaseSettings):
     max_body_mb: float = Field(
         default=32.0, gt=0, description="Size of a request body, MiB, beyond which it is refused."
     )
+    max_network_mb: float = Field(
+        default=64.0,
+        gt=0,
+        description="Size of a file that a road network is imported from, MiB, beyond which it is "
+        "refused.",
+    )
     max_batch_items: int = Field(
         default=10_000, ge=1, description="Greatest number of scenarios in one batch."
     )

@@ -80,12 +80,16 @@ def create_api(
     # The last added is the outermost.
     api.add_middleware(HeadAsGet)
     api.add_middleware(WriteGate, storage_fault=context.storage_fault, stopping=context.stopping)
-    api.add_middleware(BodyLimit, max_bytes=context.limits.body_bytes)
+    api.add_middleware(
+        BodyLimit,
+        max_bytes=context.limits.body_bytes,
+        of_paths={f"{PREFIX}/networks": context.limits.network_bytes},
+    )
     api.add_middleware(LoadGuard)
     # A request that waits for an answer which is being made already is no load.
     api.add_middleware(
         AnswerMemory,
-        version=context.revision,
+        version=lambda: _state_of_answers(context),
         tokens=context.tokens,
         sessions=context.sessions,
     )
@@ -93,3 +97,10 @@ def create_api(
     # Outside of all others, so that it sees what they refuse.
     api.add_middleware(TimedRequests, times=times)
     return api
+
+
+def _state_of_answers(context: ApiContext) -> int | None:
+    """Returns another number after each change that an answer may tell of; ``None``: not known."""
+    revision = context.revision()
+    # Either only grows. Road networks are files, which the database does not count.
+    return None if revision is None else revision + context.imports.count

@@ -14,6 +14,7 @@ from drivora_service.errors import InvalidDocument, Problem
 JSON_TYPES = frozenset({"application/json"})
 NDJSON_TYPES = frozenset({"application/x-ndjson", "application/ndjson", "application/jsonl"})
 YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml"})
+XML_TYPES = frozenset({"application/xml", "text/xml", "application/octet-stream"})
 
 
 async def _read_body(request: Request) -> bytes:
@@ -31,13 +32,15 @@ def media_type(request: Request, allowed: frozenset[str]) -> str:
         ApiError: It is not among those allowed (415).
     """
     given = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if given not in allowed or request.headers.get("content-encoding", "identity") != "identity":
-        raise ApiError(
-            HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
-            f"the body must be plain {' or '.join(sorted(allowed))}, not {given!r}",
-            headers={"Accept-Post": ", ".join(sorted(allowed))},
-        )
-    return given
+    coding = request.headers.get("content-encoding", "identity").lower()
+    if given in allowed and coding == "identity":
+        return given
+    found = repr(given) if coding == "identity" else f"encoded as {coding[:80]!r}"
+    raise ApiError(
+        HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
+        f"the body must be plain {' or '.join(sorted(allowed))}, not {found}",
+        headers={"Accept-Post": ", ".join(sorted(allowed))},
+    )
 
 
 def document_format(request: Request) -> Literal["json", "yaml"]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 from http import HTTPStatus
+from types import MappingProxyType
 
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -14,6 +16,7 @@ DRAIN_SECONDS = 2.0
 DRAIN_BYTES = 16 << 20
 """Bytes that a client on the same machine sends in some hundredths of a second."""
 BODY_SECONDS = 20.0
+"""For which a client may send nothing, and after which it must have kept the speed below."""
 BODY_BYTES_A_SECOND = 16 << 10
 """A client that sends more slowly, after the first seconds, only holds a connection."""
 _CLOSE = {"Connection": "close"}
@@ -22,16 +25,26 @@ _CLOSE = {"Connection": "close"}
 class BodyLimit:
     """ASGI middleware: 413 for a body of more than ``max_bytes``.
 
-    A declared length is judged before the application sees the request; a chunked body is counted
-    as it comes. The answer is sent at once and the connection closed a little later: until then
-    what still comes is thrown away, because a client that is writing to a closed connection may
-    lose the answer before it reads it. A client that continues for longer than ``DRAIN_SECONDS`` or
-    ``DRAIN_BYTES`` is cut off. A body that comes too slowly is answered with 408.
+    A path may have a limit of its own. A declared length is judged before the application sees the
+    request; a chunked body is counted as it comes. The answer is sent at once and the connection
+    closed a little later: until then what still comes is thrown away, because a client that is
+    writing to a closed connection may lose the answer before it reads it. A client that continues
+    for longer than ``DRAIN_SECONDS`` or ``DRAIN_BYTES`` is cut off. A body that comes too slowly,
+    or does not come on, is answered with 408.
     """
 
-    def __init__(self, app: ASGIApp, *, max_bytes: int) -> None:
+    def __init__(
+        self, app: ASGIApp, *, max_bytes: int, of_paths: Mapping[str, int] = MappingProxyType({})
+    ) -> None:
+        """Prepares the limit.
+
+        Args:
+            app: What answers.
+            max_bytes: Greatest size of a body.
+            of_paths: The same for some paths.
+        """
         self._app = app
-        self._max_bytes = max_bytes
+        self._max_bytes, self._of_paths = max_bytes, of_paths
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serves a request."""
@@ -42,21 +55,25 @@ class BodyLimit:
         if not declared.isdecimal():
             await _refuse(scope, receive, send, HTTPStatus.BAD_REQUEST, "bad Content-Length")
             return
-        if len(declared) > 18 or int(declared) > self._max_bytes:
+        max_bytes = self._of_paths.get(scope["path"], self._max_bytes)
+        too_many = f"the body is larger than the {max_bytes} bytes that are allowed"
+        if len(declared) > 18 or int(declared) > max_bytes:
             status = HTTPStatus.REQUEST_ENTITY_TOO_LARGE
-            await _refuse(scope, receive, send, status, self._detail())
+            await _refuse(scope, receive, send, status, too_many)
             return
         received = 0
         too_large = False
         complete = False
-        began = asyncio.get_running_loop().time()
+        loop = asyncio.get_running_loop()
+        began = loop.time()
 
         async def counted_receive() -> Message:
             nonlocal received, too_large, complete
-            # After the body's end it is waited for the client to leave, for as long as it likes.
-            latest = None if complete else began + BODY_SECONDS + received / BODY_BYTES_A_SECOND
+            # What came fast must not pay for a client that then stops.
+            left = min(began + received / BODY_BYTES_A_SECOND, loop.time()) + BODY_SECONDS
             try:
-                async with asyncio.timeout_at(latest):
+                # After the body's end it is waited for the client to leave, as long as it likes.
+                async with asyncio.timeout_at(None if complete else left):
                     message = await receive()
             except TimeoutError:
                 raise ApiError(
@@ -67,19 +84,16 @@ class BodyLimit:
             complete = not message.get("more_body", False)
             if message["type"] == "http.request":
                 received += len(message.get("body", b""))
-                if received > self._max_bytes:
+                if received > max_bytes:
                     too_large = True
                     status = HTTPStatus.REQUEST_ENTITY_TOO_LARGE
-                    raise ApiError(status, self._detail(), headers=_CLOSE)
+                    raise ApiError(status, too_many, headers=_CLOSE)
             return message
 
         async def lingering_send(message: Message) -> None:
             await (_send_and_linger(message, receive, send) if too_large else send(message))
 
         await self._app(scope, counted_receive, lingering_send)
-
-    def _detail(self) -> str:
-        return f"the body is larger than the {self._max_bytes} bytes that are allowed"
 
 
 async def _refuse(

@@ -11,6 +11,7 @@ from fastapi import Depends, Request
 
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.api.network_imports import NetworkImports
     from drivora_service.api.sessions import SessionFile
     from drivora_service.api.tokens import TokenFile
     from drivora_service.campaigns.catalogues import Catalogues
@@ -31,11 +32,13 @@ class Limits:
 
     Attributes:
         body_bytes: Size of a request's body.
+        network_bytes: Size of a file that a road network is imported from.
         batch_items: Scenarios of a batch.
         queued_runs: Runs that may wait; more are refused.
     """
 
     body_bytes: int
+    network_bytes: int
     batch_items: int
     queued_runs: int
 
@@ -58,6 +61,7 @@ class ApiContext:
         campaigns: Runs campaigns.
         studies: Runs studies.
         minimizations: Runs minimisations.
+        imports: Imports uploaded road networks.
         reserve: Gets ready for so many runs; returns the process that they are for, "" for any
             server.
         faults: Returns the conditions of readiness by name, each with its fault and what to do, or
@@ -81,6 +85,7 @@ class ApiContext:
     campaigns: CampaignHost
     studies: StudyHost
     minimizations: MinimizationHost
+    imports: NetworkImports
     reserve: Callable[[int], str]
     faults: Callable[[], Mapping[str, str]]
     storage_fault: Callable[[], str]

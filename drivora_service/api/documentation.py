@@ -12,6 +12,7 @@ from pydantic import TypeAdapter
 
 from drivora_service.api import problems
 from drivora_service.api.arrow_answer import ARROW
+from drivora_service.api.bodies import XML_TYPES
 from drivora_service.api.conditional import JSON
 from drivora_service.api.examples import RECORDED, read_recorded
 from drivora_service.api.links import add_links
@@ -164,6 +165,17 @@ def campaign_body(example: Mapping[str, Any]) -> dict[str, Any]:
         "requestBody": {
             "required": True,
             "content": {"application/json": content, "application/yaml": content},
+        }
+    }
+
+
+def network_body(example: str) -> dict[str, Any]:
+    """Documents a body that is the file of one road network."""
+    content = {"schema": {"type": "string"}, "example": example}
+    return {
+        "requestBody": {
+            "required": True,
+            "content": dict.fromkeys(sorted(XML_TYPES), content),
         }
     }
 

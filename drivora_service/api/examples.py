@@ -48,6 +48,9 @@ STUDY: dict[str, Any] = {
     "budget": {"simulations": 200},
 }
 
+NETWORK_FILE = '<net version="1.20">…</net>'
+"""Stands for the file of a network."""
+
 HEALTH = RECORDED + "health.json"
 READINESS = RECORDED + "readiness.json"
 NOT_READY = RECORDED + "not-ready.json"

@@ -90,6 +90,7 @@ _LINKS = (
     ),
     _Link(source="POST /studies", values={"study_id": _body("/id")}, targets=_STUDY),
     _Link(source="GET /studies", values={"study_id": _body("/items/0/id")}, targets=_STUDY),
+    _Link(source="POST /networks", values={"name": _body("/name")}, targets=_NETWORK),
     _Link(source="GET /networks", values={"name": _body("/items/0/name")}, targets=_NETWORK),
     *(
         _Link(source=f"GET {path}", values={"page_token": _body("/next_page_token")}, targets=())
@@ -113,7 +114,7 @@ def add_links(paths: dict[str, Any]) -> None:
     """
     for link in _LINKS:
         source = _operation(paths, link.source)
-        status = "202" if "202" in source["responses"] else "200"
+        status = next(status for status in ("202", "201", "200") if status in source["responses"])
         links = source["responses"][status].setdefault("links", {})
         for target in link.targets or (link.source,):
             operation_id = _operation(paths, target)["operationId"]

@@ -22,6 +22,7 @@ from drivora_service.errors import (
     DrivoraError,
     InvalidDocument,
     NetworkError,
+    NetworkTaken,
     NothingStored,
     Problem,
     QueueFull,
@@ -140,7 +141,7 @@ def _answer(request: Request, error: Exception) -> Response:
             )
         case UnknownName() | NothingStored():
             return problem_response(HTTPStatus.NOT_FOUND, str(error), instance=path)
-        case Conflict():
+        case Conflict() | NetworkTaken():
             return problem_response(HTTPStatus.CONFLICT, str(error), instance=path)
         case QueueFull():
             headers = {"Retry-After": str(error.retry_after_s)}

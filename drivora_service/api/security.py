@@ -93,6 +93,11 @@ async def submitter(request: Request, _: Documented) -> None:
     _require(request, Scope.SUBMIT)
 
 
+async def administrator(request: Request, _: Documented) -> None:
+    """Lets requests pass that may change what the service offers to all."""
+    _require(request, Scope.ADMIN)
+
+
 def client_name(request: Request) -> str:
     """Returns the name of the token that a request came with, or ""."""
     name: str = getattr(request.state, "client", "")

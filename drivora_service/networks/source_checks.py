@@ -18,6 +18,10 @@ from drivora_service.networks.source_formats import FORMATS, SourceFormat
 MAX_DEPTH = 100
 """Elements within one another; OpenDRIVE has about ten."""
 
+MAX_PIECE_BYTES = 1 << 20
+"""From one tag to the next. Readers that take a file in parts begin a tag, text or comment that is
+not complete again with each part, in time that grows with the square of its length."""
+
 _ENCODINGS = frozenset({"utf-8", "utf8", "utf-16", "us-ascii", "iso-8859-1"})
 """Encodings that every XML parser reads in the same way."""
 
@@ -74,6 +78,7 @@ class _Check:
         self._form, self._called = FORMATS[form], called
         self._is_network = form is SourceFormat.SUMO
         self._depth = 0
+        self._place = 0
         self._projection: list[str] = []
         self._parser = expat.ParserCreate()
 
@@ -85,6 +90,7 @@ class _Check:
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
         parser.Parse(data, True)
+        self._advance(len(data))
 
     def _declaration(self, _version: str, encoding: str | None, _standalone: int) -> None:
         if encoding is not None and encoding.lower() not in _ENCODINGS:
@@ -105,6 +111,7 @@ class _Check:
                 f"{self._called} is not {self._form.label}: its root element is <{tag[:40]}>, not "
                 f"<{self._form.root}>"
             )
+        self._advance(self._parser.CurrentByteIndex)
         self._depth += 1
         if self._depth > MAX_DEPTH:
             raise NetworkError(
@@ -147,7 +154,17 @@ class _Check:
                 "leave the file out"
             )
 
+    def _advance(self, place: int) -> None:
+        if place - self._place > MAX_PIECE_BYTES:
+            raise NetworkError(
+                f"{self._called} has {(place - self._place) / 1e6:.1f} MB without an element, from "
+                f"byte {self._place} on; at most {MAX_PIECE_BYTES / 1e6:.1f} MB are allowed for an "
+                "attribute, a text or a comment: shorten it"
+            )
+        self._place = place
+
     def _end(self, tag: str) -> None:
+        self._advance(self._parser.CurrentByteIndex)
         self._depth -= 1
         if tag == "geoReference" and not self._is_network:
             self._parser.CharacterDataHandler = None

@@ -35,6 +35,7 @@ from drivora_service.store.idempotency import IdempotencyRepository
 from drivora_service.store.jobs import JobRepository
 from drivora_service.store.migration import migrate
 from drivora_service.store.minimizations import MinimizationRepository
+from drivora_service.store.network_use import NetworkUse, network_use
 from drivora_service.store.quarantine import QuarantineRepository
 from drivora_service.store.queue import QueueRepository
 from drivora_service.store.results import ResultRepository
@@ -106,6 +107,10 @@ class Transaction:
     def suite_runs(self) -> SuiteRunRepository:
         """Suites that were run, with the decisions of their gates."""
         return SuiteRunRepository(self.session)
+
+    def network_use(self, name: str) -> NetworkUse:
+        """Counts the unfinished work on a road network."""
+        return network_use(self.session, name)
 
     @property
     def changes(self) -> ChangeRepository:

@@ -20,6 +20,7 @@ from fastapi import FastAPI
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
 from drivora_service.api.examples import SCENARIO
+from drivora_service.api.network_imports import NetworkImports
 from drivora_service.api.sessions import SessionFile
 from drivora_service.api.tokens import TokenFile
 from drivora_service.campaigns.catalogues import Catalogues
@@ -33,6 +34,7 @@ from drivora_service.studies.folder import StudyFolder
 from drivora_service.studies.service_studies import ServiceStudies
 
 BODY_LIMIT = 200_000
+NETWORK_LIMIT = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -127,6 +129,7 @@ def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
         queued_runs: int = 1000,
         batch_items: int = 50,
         body_bytes: int = BODY_LIMIT,
+        network_bytes: int = NETWORK_LIMIT,
         tokens: TokenFile | None = None,
         patience_s: float = 30.0,
         storage_fault: Callable[[], str] = lambda: "",
@@ -134,7 +137,8 @@ def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
         file = shutil.copy(empty_database, tmp_path / f"{len(opened)}.sqlite3")
         database = open_database(f"sqlite:///{file}", patience_s=patience_s)
         woken: list[int] = []
-        catalogues = Catalogues(NetworkCatalogue(shipped_networks()))
+        imported = tmp_path / "networks"
+        catalogues = Catalogues(NetworkCatalogue(shipped_networks(), imported))
 
         def folder(campaign_id: str) -> CampaignFolder:
             return CampaignFolder(tmp_path / "campaigns", campaign_id)
@@ -148,7 +152,12 @@ def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
             sessions=None
             if tokens is None
             else SessionFile(tmp_path / f"sessions-{len(opened)}.json", tokens),
-            limits=Limits(body_bytes=body_bytes, batch_items=batch_items, queued_runs=queued_runs),
+            limits=Limits(
+                body_bytes=body_bytes,
+                network_bytes=network_bytes,
+                batch_items=batch_items,
+                queued_runs=queued_runs,
+            ),
             trace_path=TraceFolder(tmp_path / "traces").path,
             gene_spaces=GeneSpaces(catalogues),
             campaign_folder=folder,
@@ -161,6 +170,7 @@ def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
                 campaign_folder=folder,
             ),
             minimizations=UnattendedMinimizations(woken),
+            imports=NetworkImports(imported),
             reserve=lambda _runs: "",
             faults=lambda: {"workers": "there are none"},
             storage_fault=storage_fault,

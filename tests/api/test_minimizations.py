@@ -20,9 +20,15 @@ from tests.suites.minimization.crowded_crash import ONLY_NEEDED, crowded_crash
 MINIMIZATIONS = "/api/v1/minimizations"
 
 
-def failed_run(offline: Offline, *violated: str, headers: dict[str, str] | None = None) -> str:
+def failed_run(
+    offline: Offline,
+    *violated: str,
+    town: str = "tee-town",
+    headers: dict[str, str] | None = None,
+) -> str:
     """A run with violations, as a worker would have judged it."""
-    posted = offline.client.post("/api/v1/jobs", json=SCENARIO, headers=headers)
+    scenario = {**SCENARIO, "map_region": {"town": town}}
+    posted = offline.client.post("/api/v1/jobs", json=scenario, headers=headers)
     run: str = posted.json()["id"]
     database = offline.context.database
     owner = register(database)

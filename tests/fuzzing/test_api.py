@@ -26,7 +26,9 @@ PREFIX = "/api/v1"
 SECONDS = os.environ.get("DRIVORA_FUZZ_SECONDS", "25")
 SEED = os.environ.get("DRIVORA_FUZZ_SEED", "1")
 
-REFUSES = "/jobs|/batches|/campaigns|/studies|/suite-runs|/failures/groups|:validate|:compare"
+REFUSES = (
+    "/jobs|/networks|/batches|/campaigns|/studies|/suite-runs|/failures/groups|:validate|:compare"
+)
 CONFIG = f"""
 [cache]
 enabled = false

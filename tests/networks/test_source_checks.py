@@ -29,6 +29,7 @@ def deep(levels: int) -> bytes:
 INCLUDE = '<include href="/etc/hostname" file="/etc/hostname"/>'
 DETECTOR = '<inductionLoop id="x" lane="a_0" pos="1" freq="1" file="/tmp/x"/>'
 LIGHT = '<tlLogic id="x" type="{}" programID="0" offset="0">{}</tlLogic>'
+LONG = "x" * 1_100_000
 WRITES = '<param key="file" value="/tmp/x"/>'
 
 
@@ -49,6 +50,10 @@ WRITES = '<param key="file" value="/tmp/x"/>'
         (SUMO, net(encoding="cp037"), "encoding 'cp037'; allowed are UTF-8, UTF-16"),
         (SUMO, net(encoding="UTF-7"), "encoding 'UTF-7'"),
         (SUMO, deep(MAX_DEPTH + 1), "more than 100 elements within one another"),
+        (SUMO, net(f'<edge id="{LONG}"/>'), "has 1.1 MB without an element, from byte 44 on"),
+        (SUMO, net(f"<!--{LONG}-->"), "has 1.1 MB without an element"),
+        (XODR, f"<OpenDRIVE>{LONG}</OpenDRIVE>".encode(), "has 1.1 MB without an element"),
+        (OSM, f"<osm/><!--{LONG}-->".encode(), "has 1.1 MB without an element"),
         (SUMO, b"\x1f\x8b\x08", "is compressed; unpack it"),
         (SUMO, b"PK\x03\x04", "is compressed; unpack it"),
         (SUMO, b"<osm/>", "root element is <osm>, not <net>"),

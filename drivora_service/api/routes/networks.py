@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from fastapi import Depends, Request, Response
+import asyncio
+from typing import Annotated
 
-from drivora_service.api import examples
+import structlog
+from fastapi import Depends, Query, Request, Response
+
+from drivora_service.api import bodies, examples
 from drivora_service.api.compression import compressed_answer
 from drivora_service.api.conditional import JSON, json_answer
-from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers
+from drivora_service.api.context import ApiContext, Context
+from drivora_service.api.documentation import answers, network_body
 from drivora_service.api.network_geometry import GEOMETRY_VERSION, geometry_json
+from drivora_service.api.network_imports import Upload
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.catalogues import (
     Network,
@@ -17,11 +22,33 @@ from drivora_service.api.schemas.catalogues import (
     NetworkSummary,
 )
 from drivora_service.api.schemas.network_geometry import NetworkGeometry
-from drivora_service.api.security import reader
+from drivora_service.api.security import administrator, client_name, reader
 from drivora_service.api_paths import PREFIX
+from drivora_service.errors import Conflict, NothingStored
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.source_formats import SourceFormat
+from drivora_service.shapes import to_json
 
 router = resource_router("networks", Depends(reader))
+
+_log = structlog.stdlib.get_logger(__name__)
+
+_Name = Annotated[
+    str,
+    Query(
+        description="Name of the network: 1 to 64 letters, digits, `-` and `_`.",
+        # Checked below, with an error that names what is allowed.
+        json_schema_extra={"pattern": "^[A-Za-z0-9_-]{1,64}$"},
+    ),
+]
+_Format = Annotated[SourceFormat, Query(alias="format", description="Format of the file.")]
+_Replace = Annotated[
+    bool,
+    Query(
+        description="Whether it replaces an imported network of this name, which no unfinished run "
+        "is on."
+    ),
+]
 
 
 @router.get("/networks", response_model=NetworkList, responses=answers(examples.NETWORKS, 401, 403))
@@ -32,6 +59,41 @@ def list_networks(request: Request, context: Context) -> Response:
         for name in context.networks.names()
     )
     return json_answer(request, NetworkList, NetworkList(items=items))
+
+
+@router.post(
+    "/networks",
+    status_code=201,
+    response_model=Network,
+    responses=answers(examples.NETWORK, 401, 403, 409, 413, 415, 422, 429, status=201),
+    openapi_extra=network_body(examples.NETWORK_FILE),
+    dependencies=[Depends(administrator)],
+)
+async def import_network(
+    request: Request, context: Context, name: _Name, form: _Format, replace: _Replace = False
+) -> Response:
+    """Imports the road network whose file is the body; `Location` is the network.
+
+    The file is imported by a process of its own, with limits of its memory and time. One network is
+    imported at a time. If the client leaves before the answer, nothing is imported.
+    """
+    bodies.media_type(request, bodies.XML_TYPES)
+    upload = Upload(name=name, format=form, replace=replace)
+    await context.imports.take(request, upload, lambda: _refuse_use(context, name))
+    network = await asyncio.to_thread(context.networks.get, name)
+    _log.info(
+        "network_imported",
+        network=name,
+        sha256=network.sha256,
+        replaced=replace,
+        client=client_name(request),
+    )
+    return Response(
+        to_json(Network, network_view(network)),
+        status_code=201,
+        media_type=JSON,
+        headers={"Location": f"{PREFIX}/networks/{name}"},
+    )
 
 
 @router.get(
@@ -71,3 +133,21 @@ def network_view(network: RoadNetwork) -> Network:
         has_sidewalks=any(lane.walkable and not lane.drivable for lane in network.lanes),
         geometry_url=f"{PREFIX}/networks/{network.name}/geometry",
     )
+
+
+def _refuse_use(context: ApiContext, name: str) -> None:
+    """Refuses to replace a network of unfinished work, which was checked on it as it is.
+
+    Raises:
+        Conflict: There is such work.
+    """
+    try:
+        with context.database.read() as transaction:
+            use = transaction.network_use(name)
+    except NothingStored:
+        return
+    if use.counted:
+        raise Conflict(
+            f"network {name!r} cannot be replaced while work on it is unfinished ({use.counted}); "
+            "wait until it has ended, cancel it, or import the network under another name"
+        )
