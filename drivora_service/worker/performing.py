@@ -31,6 +31,7 @@ from drivora_service.errors import (
 )
 from drivora_service.feedback.objectives import score
 from drivora_service.metrics.built_in import measure
+from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
 from drivora_service.observations.trace_file import write_trace
@@ -220,6 +221,8 @@ def _perform(
         agents=course.agents,
         versions=course.versions,
     )
+    if not networks_of(setup).is_current(network):
+        return _on_two_networks(spec, network, course)
     # Code that only this package has run in the process does not change while it judges.
     if code.has_met_others and (changes := code.changes()):
         raise _changed_by_agent(changes, course)
@@ -244,6 +247,15 @@ def _perform(
         verdicts=(*verdicts, *own),
         wall_time_s=time.perf_counter() - course.started,
     )
+
+
+def _on_two_networks(spec: RunSpec, network: RoadNetwork, course: _Course) -> RunReport:
+    """Returns a report without a result: SUMO and the oracles may have read different files."""
+    if spec.trace_path:
+        Path(spec.trace_path).unlink(missing_ok=True)
+    message = f"the road network {network.name!r} was replaced while the run was executed"
+    failure = RunFailure(cause="network_replaced", message=message)
+    return _failed(spec, RunStatus.INFRASTRUCTURE_FAILED, failure, course)
 
 
 def _without_effect(

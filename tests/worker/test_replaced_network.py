@@ -1,0 +1,64 @@
+"""A road network that is replaced while a run is executed."""
+
+from __future__ import annotations
+
+import copy
+import threading
+import time
+from pathlib import Path
+
+from drivora_service.api.examples import SCENARIO
+from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.networks.importing import import_network
+from drivora_service.observations.trace_file import read_trace
+from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.validation import validate_data
+from drivora_service.worker.performing import perform
+from drivora_service.worker.progress import BoardReader, ProgressBoard
+from drivora_service.worker.setup import WorkerSetup
+
+NETWORK = shipped_networks() / "tee-town" / "tee-town.net.xml"
+
+
+def replace_during_a_run(reader: BoardReader, other: Path, path: Path) -> None:
+    """Replaces the file of a network once a run has begun its steps."""
+    deadline = time.monotonic() + 60.0
+    while reader.read().step < 1:
+        assert time.monotonic() < deadline
+        time.sleep(0.0005)
+    other.replace(path)
+
+
+def test_its_run_has_no_result_and_the_next_one_has(tmp_path: Path) -> None:
+    imported = tmp_path / "networks"
+    path = import_network(NETWORK, "town", imported)
+    document = copy.deepcopy(SCENARIO)
+    document["map_region"]["town"] = "town"
+    catalogue = NetworkCatalogue(shipped_networks(), imported)
+    scenario = validate_data(document, catalogue, None).scenario
+    setup = WorkerSetup(shipped_networks=shipped_networks(), imported_networks=imported)
+    trace = tmp_path / "trace.parquet"
+    spec = RunSpec(run_id="run", document=canonical_json(scenario), trace_path=str(trace))
+
+    reader = BoardReader()
+    board = ProgressBoard(reader.fileno())
+    assert perform(spec, setup, board).status is RunStatus.FINISHED
+    first = read_trace(trace).network_sha256
+
+    board.cells[:] = 0
+    other = tmp_path / "other.net.xml"
+    other.write_text(NETWORK.read_text().replace("</net>", "<!-- again --></net>"))
+    replacing = threading.Thread(target=replace_during_a_run, args=(reader, other, path))
+    replacing.start()
+    report = perform(spec, setup, board)
+    replacing.join()
+    assert report.status is RunStatus.INFRASTRUCTURE_FAILED
+    assert report.failure is not None
+    assert report.failure.cause == "network_replaced"
+    assert "'town' was replaced while the run was executed" in report.failure.message
+    assert not trace.exists()
+
+    assert perform(spec, setup, board).status is RunStatus.FINISHED
+    assert read_trace(trace).network_sha256 != first
+    reader.close()
