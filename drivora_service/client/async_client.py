@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Self, TypeVar
+from typing import TYPE_CHECKING, BinaryIO, Self, TypeVar
 
 import anyio
 import httpx
@@ -21,6 +22,8 @@ from drivora_service.client.connecting import (
     connection,
     ignore_progress,
     ignore_retry,
+    opened_body,
+    timeout_of,
     written_whole,
 )
 from drivora_service.client.flows import (
@@ -58,6 +61,8 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.studies import Study
 
 T = TypeVar("T")
+
+_PART_BYTES = 1 << 16
 
 
 class AsyncClient(AwaitedOperations):
@@ -257,18 +262,31 @@ class AsyncClient(AwaitedOperations):
         if self._http.is_closed:
             raise ServiceError(CLOSED)
         call = request.call
-        async with self._http.stream(
-            call.method,
-            call.path,
-            params=call.parameters,
-            content=call.body,
-            headers=request.headers,
-        ) as response:
-            content = b""
-            if request.target is None or not response.is_success:
-                content = await response.aread()
-            else:
-                with written_whole(request.target) as file:
-                    async for part in response.aiter_bytes():
-                        await anyio.to_thread.run_sync(file.write, part)
-            return Reply(status=response.status_code, headers=response.headers, content=content)
+        with opened_body(call) as body:
+            sent, headers = (body, {}) if isinstance(body, bytes | None) else _parts(body)
+            async with self._http.stream(
+                call.method,
+                call.path,
+                params=call.parameters,
+                content=sent,
+                headers={**request.headers, **headers},
+                timeout=timeout_of(call, self._http.timeout),
+            ) as response:
+                content = b""
+                if request.target is None or not response.is_success:
+                    content = await response.aread()
+                else:
+                    with written_whole(request.target) as file:
+                        async for part in response.aiter_bytes():
+                            await anyio.to_thread.run_sync(file.write, part)
+                return Reply(status=response.status_code, headers=response.headers, content=content)
+
+
+def _parts(file: BinaryIO) -> tuple[AsyncIterator[bytes], dict[str, str]]:
+    """Returns a file as the body of a request, and the header with its length."""
+
+    async def parts() -> AsyncIterator[bytes]:
+        while part := await anyio.to_thread.run_sync(file.read, _PART_BYTES):
+            yield part
+
+    return parts(), {"Content-Length": str(os.fstat(file.fileno()).st_size)}

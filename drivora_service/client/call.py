@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from pathlib import Path
 from typing import Any, Generic, Literal, TypeVar
 from urllib.parse import quote
 
@@ -38,24 +39,26 @@ class Call(Generic[T]):
         template: Path, with the names of ``places`` in braces.
         places: Values for the placeholders of the path, by name.
         query: See :data:`Query`.
-        body: ``None`` for requests without.
+        body: ``None`` for requests without; a file is sent as it is read.
         headers: Besides those of every request.
         answer: Type that the answer is read as; ``bytes`` and ``str`` stand for what was sent.
         is_repeatable: Whether it may be sent again where it is not known whether it was done.
         is_once: Whether an ``Idempotency-Key`` makes it repeatable.
         accepted: Statuses of answers besides 2xx.
+        answer_s: Seconds for which its answer is waited for; ``None``: as for all calls.
     """
 
     method: Literal["GET", "POST", "DELETE"]
     template: str
     places: Mapping[str, str | int] = field(default_factory=dict)
     query: Query = field(default_factory=dict)
-    body: bytes | None = None
+    body: bytes | Path | None = None
     headers: Mapping[str, str] = field(default_factory=dict)
     answer: type[T]
     is_repeatable: bool
     is_once: bool = False
     accepted: frozenset[int] = frozenset()
+    answer_s: float | None = None
 
     @property
     def path(self) -> str:

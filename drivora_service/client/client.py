@@ -20,6 +20,8 @@ from drivora_service.client.connecting import (
     connection,
     ignore_progress,
     ignore_retry,
+    opened_body,
+    timeout_of,
     written_whole,
 )
 from drivora_service.client.flows import (
@@ -257,13 +259,17 @@ class Client(BlockingOperations):
         if self._http.is_closed:
             raise ServiceError(CLOSED)
         call = request.call
-        with self._http.stream(
-            call.method,
-            call.path,
-            params=call.parameters,
-            content=call.body,
-            headers=request.headers,
-        ) as response:
+        with (
+            opened_body(call) as body,
+            self._http.stream(
+                call.method,
+                call.path,
+                params=call.parameters,
+                content=body,
+                headers=request.headers,
+                timeout=timeout_of(call, self._http.timeout),
+            ) as response,
+        ):
             content = b""
             if request.target is None or not response.is_success:
                 content = response.read()

@@ -8,10 +8,11 @@ import uuid
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import httpx
 
+from drivora_service.client.call import Call
 from drivora_service.client.flows import Terms
 from drivora_service.client.replies import Service
 from drivora_service.errors import ConfigurationError, ServiceError, StoreError
@@ -87,6 +88,37 @@ def ignore_retry(error: ServiceError, seconds: float) -> None:
 def ignore_progress(progress: object) -> None:
     """Ignores progress."""
     del progress
+
+
+def timeout_of(call: Call[Any], usual: httpx.Timeout) -> httpx.Timeout:
+    """Returns the time limits of a call.
+
+    Args:
+        call: The call.
+        usual: Those of the client.
+    """
+    if call.answer_s is None or usual.read is None:
+        return usual
+    read = max(usual.read, call.answer_s)
+    return httpx.Timeout(connect=usual.connect, read=read, write=usual.write, pool=usual.pool)
+
+
+@contextlib.contextmanager
+def opened_body(call: Call[Any]) -> Iterator[bytes | BinaryIO | None]:
+    """Provides the body of a call; a file is open meanwhile.
+
+    Raises:
+        StoreError: The file cannot be read.
+    """
+    if not isinstance(call.body, Path):
+        yield call.body
+        return
+    try:
+        file = call.body.open("rb")
+    except OSError as error:
+        raise StoreError(f"cannot read {call.body}: {error.strerror}") from error
+    with file:
+        yield file
 
 
 @contextlib.contextmanager

@@ -231,6 +231,7 @@ class Operations:
     example_scenarios = Answered(catalogue_calls.example_scenarios)
     networks = Answered(catalogue_calls.networks)
     network = Answered(catalogue_calls.network)
+    import_network = Answered(catalogue_calls.import_network)
     network_geometry = Answered(catalogue_calls.network_geometry)
     agents = Answered(catalogue_calls.agents)
     models = Answered(catalogue_calls.models)

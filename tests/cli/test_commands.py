@@ -153,6 +153,24 @@ def test_networks_are_listed_shown_and_imported(
     assert there["sha256"] == imported.json()["sha256"]
 
 
+def test_networks_are_imported_on_a_service(
+    drivora: Drivora, repository: Path, service_url: str
+) -> None:
+    source = repository / "sumo_nets" / "tee-town" / "tee-town.net.xml"
+    options = ("--name", "sent", "--server", service_url)
+    sent = drivora("networks", "import", source, *options)
+    assert sent.code == 0, sent.err
+    assert sent.out == drivora("networks", "import", source, "--name", "sent").out
+    assert "sent" in drivora("networks", "list", "--server", service_url).out.split()
+    again = drivora("networks", "import", source, *options)
+    assert (again.code, "'sent' is already imported; replace it" in again.err) == (3, True)
+    assert drivora("networks", "import", source, *options, "--replace").code == 0
+    here = drivora("networks", "import", source, *options, "--data-dir", "data")
+    assert (here.code, "--data-dir is for work in this process" in here.err) == (2, True)
+    missing = drivora("networks", "import", "none.osm", *options)
+    assert (missing.code, "cannot read none.osm" in missing.err) == (3, True)
+
+
 def test_agents(drivora: Drivora, service_url: str) -> None:
     here = drivora("agents", "list", "--json").json()
     there = drivora("agents", "list", "--server", service_url, "--json").json()

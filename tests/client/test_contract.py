@@ -7,6 +7,7 @@ import csv
 import io
 import json
 import time
+import uuid
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,16 @@ from drivora_service.api.schemas.batches import Batch, ItemResult
 from drivora_service.api.schemas.campaigns import Campaign
 from drivora_service.api.schemas.runs import Run
 from drivora_service.client import Client, ObservationForm, TraceRows
-from drivora_service.errors import InvalidDocument, NotFound, RequestConflict, ServiceError
+from drivora_service.errors import (
+    InvalidDocument,
+    NetworkError,
+    NotFound,
+    RequestConflict,
+    ServiceError,
+    StoreError,
+)
+from drivora_service.networks.catalogue import shipped_networks
+from drivora_service.networks.source_formats import SourceFormat
 from drivora_service.runs.report import RunStatus
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaign_records import (
@@ -468,3 +478,30 @@ def test_runs_are_counted_drawn_and_put_into_a_table(
 def test_metrics_are_described(client: Client, runs: tuple[Run, ...]) -> None:
     described = {one.name for one in client.describe_metrics().items}
     assert set(runs[0].metrics) <= described
+
+
+def test_a_network_is_imported(client: Client, tmp_path: Path) -> None:
+    source = tmp_path / "town.net.xml"
+    source.write_bytes((shipped_networks() / "tee-town" / "tee-town.net.xml").read_bytes())
+    # Clients of several kinds ask the same service.
+    name = f"town-{uuid.uuid4().hex}"
+    imported = client.import_network(source, name)
+    assert imported == client.network(name)
+    assert imported.sha256 == client.network("tee-town").sha256
+    with pytest.raises(RequestConflict, match=f"'{name}' is already imported"):
+        client.import_network(source, name)
+    source.write_text(source.read_text().replace("</net>", "<!-- again --></net>"))
+    replaced = client.import_network(source, name, form=SourceFormat.SUMO, replace=True)
+    assert replaced.sha256 != imported.sha256
+    assert client.network_geometry(name).sha256 == replaced.sha256
+
+
+def test_a_file_that_is_no_network(client: Client, tmp_path: Path) -> None:
+    source = tmp_path / "town.net.xml"
+    source.write_text("<net/>")
+    with pytest.raises(ServiceError, match="cannot import the file"):
+        client.import_network(source, "no-town")
+    with pytest.raises(StoreError, match="No such file"):
+        client.import_network(tmp_path / "none.net.xml", "no-town")
+    with pytest.raises(NetworkError, match=r"allowed are \.net\.xml"):
+        client.import_network(tmp_path / "town.shp", "no-town")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import inspect
 from collections.abc import AsyncIterator, Iterator, Mapping
+from pathlib import Path
 from typing import Any, assert_type
 
 import httpx
@@ -24,6 +25,7 @@ _GIVEN: Mapping[str, Any] = {
     "outcomes": _SUITE_RUN.outcomes,
     "document": {},
     "documents": [{}],
+    "file": Path("town.osm"),
     "campaigns": ["a"],
     "number": 1,
     "table": "failures",

@@ -52,20 +52,20 @@ def import_network(
     replace: Annotated[
         bool, typer.Option("--replace", help="Replace an imported network of that name.")
     ] = False,
+    server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Imports a network for scenarios that are run here."""
-    from drivora_service.cli.installation import settings_for
-    from drivora_service.cli.private_files import private_files
-    from drivora_service.networks import importing
-
+    """Imports a network for scenarios that are run here, or on a service."""
     chosen = name or file.name.partition(".")[0]
-    folder = settings_for(data_dir).imported_networks_dir
-    with private_files():
-        importing.import_network(file, chosen, folder, replace=replace)
-    with connected("", data_dir) as client:
-        network = client.network(chosen)
+    if not server:
+        _import_here(file, chosen, data_dir, replace=replace)
+    with connected(server, data_dir) as client:
+        network = (
+            client.import_network(file, chosen, replace=replace)
+            if server
+            else client.network(chosen)
+        )
     if as_json:
         print_json(network.model_dump(mode="json"))
     else:
@@ -73,6 +73,17 @@ def import_network(
             f"imported {chosen}: {network.drivable_km:.1f} km of lanes, "
             f"{network.traffic_lights} traffic lights"
         )
+
+
+def _import_here(file: Path, name: str, data_dir: Path | None, *, replace: bool) -> None:
+    """Imports a network into the data folder; its user is trusted with larger files."""
+    from drivora_service.cli.installation import settings_for
+    from drivora_service.cli.private_files import private_files
+    from drivora_service.networks.importing import import_network
+
+    folder = settings_for(data_dir).imported_networks_dir
+    with private_files():
+        import_network(file, name, folder, replace=replace)
 
 
 def _text(value: Any) -> str:

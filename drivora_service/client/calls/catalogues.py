@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drivora_service.api_paths import PREFIX
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.network_geometry import NetworkGeometry
     from drivora_service.api.schemas.service import Health, Readiness
     from drivora_service.api.schemas.workers import Workers
+    from drivora_service.networks.source_formats import SourceFormat
+
+_IMPORT_S = 180.0
+"""Seconds for an import, which a service ends after two minutes."""
 
 
 def example_scenarios() -> Call[ExampleScenarioList]:
@@ -42,6 +47,40 @@ def network(name: str) -> Call[Network]:
     from drivora_service.api.schemas.catalogues import Network
 
     return get(f"{PREFIX}/networks/{{name}}", Network, name=name)
+
+
+def import_network(
+    file: Path,
+    name: str,
+    *,
+    form: SourceFormat | None = None,
+    replace: bool = False,
+) -> Call[Network]:
+    """Imports a road network from a file, and describes it; needs a token with the scope admin.
+
+    Args:
+        file: The file, which is sent as it is read.
+        name: Name of the network.
+        form: Format of the file; ``None``: by its name.
+        replace: Replace an imported network of the same name.
+
+    Raises:
+        NetworkError: The name of the file tells no format.
+    """
+    from drivora_service.api.schemas.catalogues import Network
+    from drivora_service.networks.source_formats import format_of
+
+    return Call(
+        method="POST",
+        template=f"{PREFIX}/networks",
+        query={"name": name, "format": form or format_of(file.name), "replace": replace},
+        body=file,
+        headers={"Content-Type": "application/octet-stream"},
+        answer=Network,
+        # A second request would find the network of the first, if that was done.
+        is_repeatable=replace,
+        answer_s=_IMPORT_S,
+    )
 
 
 def network_geometry(name: str) -> Call[NetworkGeometry]:
