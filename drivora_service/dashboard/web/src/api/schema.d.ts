@@ -887,7 +887,14 @@ export interface paths {
          */
         get: operations["list_networks_api_v1_networks_get"];
         put?: never;
-        post?: never;
+        /**
+         * Import Network
+         * @description Imports the road network whose file is the body; `Location` is the network.
+         *
+         *     The file is imported by a process of its own, with limits of its memory and time. One network is
+         *     imported at a time. If the client leaves before the answer, nothing is imported.
+         */
+        post: operations["import_network_api_v1_networks_post"];
         delete?: never;
         options?: never;
         head?: never;
@@ -6892,6 +6899,12 @@ export interface components {
          */
         SlotActivity: "starting" | "idle" | "running";
         /**
+         * SourceFormat
+         * @description A format of source files.
+         * @enum {string}
+         */
+        SourceFormat: "sumo" | "opendrive" | "openstreetmap";
+        /**
          * SpaceDocument
          * @description The variable parts beside the fixed scenario.
          */
@@ -12353,6 +12366,114 @@ export interface operations {
             };
             /** @description Unprocessable Entity */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    import_network_api_v1_networks_post: {
+        parameters: {
+            query: {
+                /** @description Name of the network: 1 to 64 letters, digits, `-` and `_`. */
+                name: string;
+                /** @description Format of the file. */
+                format: components["schemas"]["SourceFormat"];
+                /** @description Whether it replaces an imported network of this name, which no unfinished run is on. */
+                replace?: boolean;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                /** @example <net version="1.20">…</net> */
+                "application/octet-stream": string;
+                /** @example <net version="1.20">…</net> */
+                "application/xml": string;
+                /** @example <net version="1.20">…</net> */
+                "text/xml": string;
+            };
+        };
+        responses: {
+            /** @description Done */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Network"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
                 headers: {
                     [name: string]: unknown;
                 };
