@@ -87,7 +87,15 @@ class NoRoute(NetworkError):
 
 
 class NetworkTaken(NetworkError):
-    """Another network has the name under which one is to be imported."""
+    """Another network has the name under which one is to be imported.
+
+    Attributes:
+        is_shipped: Whether it comes with Drivora, so that it cannot be replaced.
+    """
+
+    def __init__(self, message: str, *, is_shipped: bool = False) -> None:
+        self.is_shipped = is_shipped
+        super().__init__(message)
 
 
 class AgentError(DrivoraError):

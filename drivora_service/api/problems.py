@@ -141,8 +141,14 @@ def _answer(request: Request, error: Exception) -> Response:
             )
         case UnknownName() | NothingStored():
             return problem_response(HTTPStatus.NOT_FOUND, str(error), instance=path)
-        case Conflict() | NetworkTaken():
+        case Conflict():
             return problem_response(HTTPStatus.CONFLICT, str(error), instance=path)
+        case NetworkTaken():
+            code = "network_shipped" if error.is_shipped else "network_imported"
+            problem = Problem(pointer="", code=code, message=str(error))
+            return problem_response(
+                HTTPStatus.CONFLICT, str(error), instance=path, problems=(problem,)
+            )
         case QueueFull():
             headers = {"Retry-After": str(error.retry_after_s)}
             return problem_response(

@@ -84,7 +84,9 @@ def check_name(name: str, into: Path, *, replace: bool) -> None:
             f"{name[:80]!r} cannot name a network: use 1 to 64 letters, digits, '-' and '_'"
         )
     if (shipped_networks() / name).is_dir():
-        raise NetworkTaken(f"network {name!r} comes with Drivora; import yours under another name")
+        raise NetworkTaken(
+            f"network {name!r} comes with Drivora; import yours under another name", is_shipped=True
+        )
     if not replace and ((into / name).exists() or (into / f"{name}.net.xml").exists()):
         raise taken(name)
 

@@ -135,10 +135,12 @@ def test_a_name_that_is_taken(offline: Offline) -> None:
     again = post(client, OTHER)
     assert again.status_code == 409
     assert "'town' is already imported; replace it" in detail(again)
+    assert [problem["code"] for problem in again.json()["problems"]] == ["network_imported"]
     for replace in ("true", "false"):
         shipped = post(client, name="rural", replace=replace)
         assert shipped.status_code == 409
         assert "comes with Drivora" in detail(shipped)
+        assert [problem["code"] for problem in shipped.json()["problems"]] == ["network_shipped"]
 
 
 def test_every_answer_about_a_replaced_network_is_a_new_one(offline: Offline) -> None:
