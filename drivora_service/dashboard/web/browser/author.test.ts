@@ -280,6 +280,28 @@ it(
 );
 
 it(
+  "a scenario is handed to a campaign, and is still there afterwards",
+  async () => {
+    const { page, context, complaints } = await open(browser, `${url}/author?run=${made.run}`);
+    await page.locator(".author .map canvas").waitFor();
+    await expect.poll(() => answer(page)).toContain("It can be run");
+    // Both sides of the desk have been looked at before: they share what they ask for.
+    await page.mouse.click(...(await middle(page)));
+    await page.getByRole("button", { name: "Vary" }).click();
+    await page.getByRole("heading", { name: "New campaign" }).waitFor();
+    await expect.poll(() => page.locator("main").innerText()).toContain("of the author screen");
+    await page.goBack();
+    await page.locator(".author .map canvas").waitFor();
+    await page.getByRole("button", { name: "New", exact: true }).click();
+    await page.getByRole("button", { name: /actors?, 20/ }).click();
+    await expect.poll(() => answer(page)).toContain("It can be run");
+    expect(complaints).toEqual([]);
+    await context.close();
+  },
+  LIMIT_MS,
+);
+
+it(
   "a failure is edited from its run",
   async () => {
     const { page, context } = await open(browser, `${url}/runs/${made.run}`);

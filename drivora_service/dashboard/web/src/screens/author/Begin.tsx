@@ -1,5 +1,6 @@
 import { useState } from "react";
 import { ExampleSource, RunSource } from "../compose/ScenarioSources";
+import { useEarlier, wordsOf } from "./earlier";
 import { FileChoice } from "./FileChoice";
 import { emptyScenario } from "./scenario";
 import type { Draft } from "./useDraft";
@@ -16,6 +17,7 @@ export function Begin({
   readonly town: string;
 }) {
   const [refusal, setRefusal] = useState("");
+  const earlier = useEarlier();
   return (
     <>
       <div className="head">
@@ -45,6 +47,20 @@ export function Begin({
           <RunSource onAdd={({ document }) => draft.open(document)} onRefused={setRefusal} />
           <ExampleSource onAdd={({ document }) => draft.open(document)} />
         </div>
+        {earlier.length > 0 && (
+          <>
+            <h2>Or go on with one that you wrote before</h2>
+            <ul className="author-towns">
+              {earlier.map((one) => (
+                <li key={one.at}>
+                  <button type="button" onClick={() => draft.open(one.scenario)}>
+                    {wordsOf(one)}
+                  </button>
+                </li>
+              ))}
+            </ul>
+          </>
+        )}
         {refusal && (
           <p role="alert" className="problem">
             {refusal}

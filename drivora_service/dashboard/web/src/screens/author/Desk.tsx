@@ -9,6 +9,7 @@ import { DeskMap } from "./DeskMap";
 import { DeskSide } from "./DeskSide";
 import { deskKeys } from "./deskKeys";
 import { ProblemList } from "./ProblemList";
+import { takesDetour } from "./shownActors";
 import { TryRun } from "./TryRun";
 import { type Desk as OnDesk, useDesk } from "./useDesk";
 import type { Draft } from "./useDraft";
@@ -77,6 +78,7 @@ function Writing({
             scenario={desk.draft.scenario}
             inspection={desk.inspection}
             unreadable={desk.unreadable}
+            detours={desk.actors.filter(takesDetour)}
             onGo={desk.go}
           />
         </div>

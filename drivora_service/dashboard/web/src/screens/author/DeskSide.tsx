@@ -23,7 +23,7 @@ export function DeskSide({
 }) {
   const agents = useQuery({
     queryKey: ["agents"],
-    queryFn: async () => body(await api.GET("/api/v1/agents")).items,
+    queryFn: async () => body(await api.GET("/api/v1/agents")),
   });
   const { draft, geometry, side, chosen } = desk;
   const problems = desk.inspection?.problems ?? [];
@@ -54,6 +54,7 @@ export function DeskSide({
         <>
           <PlaceSearch
             geometry={geometry}
+            ways={desk.actors.filter(({ list }) => list === "ego_vehicles").map(({ path }) => path)}
             onPart={desk.toPart}
             onPlace={desk.toPlace}
             onDrive={desk.drive}
@@ -67,7 +68,7 @@ export function DeskSide({
               shown={desk.actors.find(({ pointer }) => pointer === chosen.actor)}
               definitions={definitions}
               models={models.list}
-              agents={agents.data ?? []}
+              agents={agents.data?.items ?? []}
               onPlace={desk.select}
               onRemove={desk.remove}
               onCopy={desk.copy}

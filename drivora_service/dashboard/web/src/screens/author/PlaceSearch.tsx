@@ -2,6 +2,7 @@ import { useMemo, useRef, useState } from "react";
 import type { Schemas } from "../../api/client";
 import { useKeys } from "../../shell/keys";
 import { type Part, partsNamed } from "../networks/search";
+import { onWayFirst } from "./nearness";
 import { type KindPlace, PLACE_KINDS, type PlaceKind, placesOf } from "./places";
 
 const MOST = 40;
@@ -9,12 +10,15 @@ const MOST = 40;
 /** Finds parts of the network by name, and places by their kind. */
 export function PlaceSearch({
   geometry,
+  ways,
   onPart,
   onPlace,
   onDrive,
   onWalk,
 }: {
   readonly geometry: Schemas["NetworkGeometry"];
+  /** The ways of the egos. */
+  readonly ways: readonly (readonly number[])[];
   readonly onPart: (part: Part) => void;
   readonly onPlace: (place: KindPlace) => void;
   /** An ego is to drive through it. */
@@ -29,8 +33,11 @@ export function PlaceSearch({
   useKeys([{ keys: "/", does: "search the map", run: () => field.current?.focus() }]);
   const all = useMemo(() => (kind ? placesOf(geometry, kind) : []), [geometry, kind]);
   const wanted = text.trim().toLowerCase();
-  const places = all.filter(
-    ({ name, id }) => name.toLowerCase().includes(wanted) || id.toLowerCase().includes(wanted),
+  const places = onWayFirst(
+    all.filter(
+      ({ name, id }) => name.toLowerCase().includes(wanted) || id.toLowerCase().includes(wanted),
+    ),
+    ways,
   );
   const parts = kind ? [] : partsNamed(geometry, text);
   return (
@@ -49,21 +56,21 @@ export function PlaceSearch({
         <input
           ref={field}
           type="search"
-          placeholder={kind ? "Street or junction" : "Lane, junction, street, light"}
+          placeholder={kind ? "Street or junction" : "Lane, junction, street"}
           aria-label="Search the map"
           value={text}
           onChange={({ target }) => setText(target.value)}
           onKeyDown={(event) => {
             if (event.key === "Escape") event.currentTarget.blur();
             if (event.key !== "Enter") return;
-            if (places[0]) onPlace(places[0]);
+            if (places[0]) onPlace(places[0].place);
             else if (parts[0]) onPart(parts[0]);
           }}
         />
         {kind && (
           <ul className="found">
             {places.length === 0 && <li className="quiet">This network has none.</li>}
-            {places.slice(0, MOST).map((place) => (
+            {places.slice(0, MOST).map(({ place, isOnWay }) => (
               <li key={place.id} className="author-place" data-chosen={place.id === chosen}>
                 <button
                   type="button"
@@ -73,7 +80,10 @@ export function PlaceSearch({
                     onPlace(place);
                   }}
                 >
-                  {place.name}
+                  <span>
+                    {place.name}
+                    {isOnWay && <span className="quiet"> · on the ego's way</span>}
+                  </span>
                 </button>
                 {place.id === chosen && place.drive && (
                   <button type="button" onClick={() => onDrive(place)}>

@@ -1,23 +1,28 @@
 import type { Schemas } from "../../api/client";
 import type { JsonObject } from "../../components/fields/pointers";
+import { fixed } from "../../components/numbers";
 import { placeWords } from "./placeWords";
+import type { ShownActor } from "./shownActors";
 
 /** Everything that is wrong, or worth knowing; a press goes to its place. */
 export function ProblemList({
   scenario,
   inspection,
   unreadable,
+  detours,
   onGo,
 }: {
   readonly scenario: JsonObject;
   readonly inspection: Schemas["Inspection"] | undefined;
   /** Why the text cannot be read; "" if it can. */
   readonly unreadable: string;
+  /** Actors whose way is much longer than their route. */
+  readonly detours: readonly ShownActor[];
   readonly onGo: (pointer: string) => void;
 }) {
   const problems = inspection?.problems ?? [];
   const notes = inspection?.notes ?? [];
-  if (!unreadable && problems.length === 0 && notes.length === 0) return null;
+  if (!unreadable && problems.length + notes.length + detours.length === 0) return null;
   return (
     <section className="author-problems" aria-label="Problems and notes">
       <ul>
@@ -27,6 +32,16 @@ export function ProblemList({
             <button type="button" className="plain problem" onClick={() => onGo(pointer)}>
               <span>
                 <strong>{placeWords(scenario, pointer)}</strong> {message}
+              </span>
+            </button>
+          </li>
+        ))}
+        {detours.map(({ pointer, id, pathLength }) => (
+          <li key={pointer}>
+            <button type="button" className="plain" onClick={() => onGo(pointer)}>
+              <span>
+                ○ <strong>{id}</strong> takes a detour: its way is {fixed(pathLength, 0)} m long,
+                much longer than the distances between its places
               </span>
             </button>
           </li>

@@ -13,6 +13,8 @@ import { Clock } from "../replay/clock";
 import { type MapHandle, ReplayMap } from "../replay/ReplayMap";
 import type { Recording } from "../replay/recording";
 import { runQuery } from "../replay/runQuery";
+import { TimeLine } from "../replay/TimeLine";
+import type { Range } from "../replay/timeScale";
 import { useRecording } from "../replay/useRecording";
 import { useTimeline } from "../replay/useTimeline";
 import { VerdictLine } from "../replay/VerdictLine";
@@ -87,6 +89,7 @@ function Player({
 }) {
   const clock = useMemo(() => new Clock(recording.duration, recording.stepLength), [recording]);
   const [follow, setFollow] = useState("");
+  const [range, setRange] = useState<Range>({ from: 0, to: clock.end });
   const map = useRef<MapHandle>(null);
   const { data: timeline } = useTimeline(run.id);
   // The map stands where the reader was writing, unless no ego begins there.
@@ -128,6 +131,13 @@ function Player({
         onFollow={setFollow}
       />
       <Controls clock={clock} />
+      <TimeLine
+        clock={clock}
+        recording={recording}
+        timeline={timeline}
+        range={range}
+        onRange={setRange}
+      />
     </>
   );
 }

@@ -1,5 +1,6 @@
 import { expect, it } from "vitest";
 import type { Schemas } from "../../api/client";
+import { onWayFirst } from "./nearness";
 import { placesOf } from "./places";
 import { actorsOf, emptyScenario, type NewPlace } from "./scenario";
 import { withDrive, withWalk } from "./situations";
@@ -123,7 +124,7 @@ const write = ({ x, y }: { x: number; y: number }): NewPlace => ({ x, y });
 it("turns are found with the lane that they lead to", () => {
   const [turn, ...others] = placesOf(GEOMETRY, "left turn that gives way");
   expect(others).toEqual([]);
-  expect(turn?.name).toBe("Mill Road to High Street");
+  expect(turn?.name).toBe("Mill Road to High Street, from the west");
   // The way goes on where the lane of the junction ends, not in the first lane of the road.
   expect(turn?.lanes).toEqual(["in_0", ":j_0_0", "out_1"]);
   expect(turn?.drive).toMatchObject([
@@ -132,6 +133,18 @@ it("turns are found with the lane that they lead to", () => {
   ]);
   expect(placesOf(GEOMETRY, "right turn")).toHaveLength(1);
   expect(placesOf(GEOMETRY, "left turn with its own green")).toEqual([]);
+});
+
+it("crossings are told apart by their street and arm, those on a way come first", () => {
+  const [crossing] = placesOf(GEOMETRY, "crossing");
+  if (!crossing) throw new Error("there is a crossing");
+  expect(crossing.name).toBe("High Street, north of j");
+  const other = { ...crossing, id: "other", line: [300, 0, 310, 0] };
+  const way = [112, -50, 112, 100];
+  expect(onWayFirst([other, crossing], [way])).toEqual([
+    { place: crossing, isOnWay: true },
+    { place: other, isOnWay: false },
+  ]);
 });
 
 it("a signal tells turns that give way from those that have their own green", () => {

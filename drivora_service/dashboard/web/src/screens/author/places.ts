@@ -83,7 +83,7 @@ function turns(geometry: Geometry, wanted: PlaceKind): KindPlace[] {
         {
           kind,
           id: `${stop.lane} ${movement.to_edge} ${movement.link}`,
-          name: `${street(from)} to ${onto ? street(onto) : movement.to_edge}`,
+          name: `${street(from)} to ${onto ? street(onto) : movement.to_edge}, from the ${whence(before)}`,
           lanes: [from.id, ...movement.via, ...(onto ? [onto.id] : [])],
           line: [...part, ...via.flatMap((lane) => flat(lane.shape)), ...behind],
           drive: onto && [
@@ -95,6 +95,28 @@ function turns(geometry: Geometry, wanted: PlaceKind): KindPlace[] {
       ];
     }),
   );
+}
+
+const WINDS = [
+  "east",
+  "north-east",
+  "north",
+  "north-west",
+  "west",
+  "south-west",
+  "south",
+  "south-east",
+];
+
+/** Returns the point of the compass in a direction, radians from east. */
+function windOf(direction: number): string {
+  const eighth = Math.round((4 * direction) / Math.PI);
+  return WINDS[((eighth % 8) + 8) % 8] ?? "";
+}
+
+/** Returns where those come from who drive along a line. */
+function whence(line: readonly number[]): string {
+  return windOf(placeAt(line, lengthOf(line)).heading + Math.PI);
 }
 
 /** Returns the drivable lane of an edge that begins where another ends. */
@@ -134,6 +156,14 @@ function junctions(geometry: Geometry, kind: PlaceKind): KindPlace[] {
   });
 }
 
+/** Returns on which side of a junction a place is. */
+function armOf(geometry: Geometry, junction: string, { x, y }: { x: number; y: number }): string {
+  const outline = geometry.junctions[junction] ?? [];
+  const mean = (axis: 0 | 1) =>
+    outline.reduce((sum, point) => sum + (point[axis] ?? 0), 0) / Math.max(outline.length, 1);
+  return windOf(Math.atan2(y - mean(1), x - mean(0)));
+}
+
 function crossings(geometry: Geometry): KindPlace[] {
   const edges = new Map(geometry.lanes.map((lane) => [lane.edge, lane]));
   return geometry.crossings.map((crossing) => {
@@ -148,9 +178,12 @@ function crossings(geometry: Geometry): KindPlace[] {
       lane: "",
     });
     const across = crossing.edges.flatMap((edge) => edges.get(edge)?.street || []);
-    const name = `${[...new Set(across)].join(", ") || crossing.junction}${
-      crossing.light ? ", with lights" : ""
-    }`;
+    const middle = placeAt(line, length / 2);
+    const name = [
+      [...new Set(across)].join(", ") || "Crossing",
+      `${armOf(geometry, crossing.junction, middle)} of ${crossing.junction}`,
+      ...(crossing.light ? ["with lights"] : []),
+    ].join(", ");
     return {
       kind: "crossing",
       id: crossing.id,

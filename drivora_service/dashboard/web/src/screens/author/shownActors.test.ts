@@ -1,7 +1,7 @@
 import { expect, it } from "vitest";
 import type { Schemas } from "../../api/client";
 import { planeOf } from "./plane";
-import { actorNear, shownActors } from "./shownActors";
+import { actorNear, shownActors, takesDetour } from "./shownActors";
 
 const PLANE = planeOf("sumo", undefined);
 const MODELS = new Map([["vehicle car", { length: 4, width: 1.8 }]]);
@@ -58,6 +58,18 @@ it("ways and headings are those of the service, problems mark their actor", () =
   const [ego, box] = shownActors(SCENARIO, PLANE, MODELS, told);
   expect(ego).toMatchObject({ yaw: 1.2, path: [0, 0, 0, 50], pathLength: 50, hasProblem: false });
   expect(box?.hasProblem).toBe(true);
+});
+
+it("a way much longer than the lines between its places is a detour", () => {
+  const driven = (metres: number) => {
+    const told = inspection(
+      [],
+      [{ pointer: "/ego_vehicles/0", id: "ego", yaw: 0, path: [], path_length: metres }],
+    );
+    const [ego] = shownActors(SCENARIO, PLANE, MODELS, told);
+    return ego && takesDetour(ego);
+  };
+  expect([driven(0), driven(60), driven(149), driven(160)]).toEqual([false, false, false, true]);
 });
 
 it("what the service said of another actor at the same place of the list is not shown", () => {

@@ -1,6 +1,6 @@
 import type { Schemas } from "../../api/client";
 import { isObject, type JsonObject, valueAt } from "../../components/fields/pointers";
-import { flat } from "../../roads/lines";
+import { flat, lengthOf } from "../../roads/lines";
 import { type Plane, toMap, yawToMap } from "./plane";
 import { actorOf, actorsOf, type DraftActor, type ListName } from "./scenario";
 
@@ -103,6 +103,15 @@ function shownActor(
     friction: typeof friction === "number" ? friction : undefined,
     hasProblem: false,
   };
+}
+
+const DETOUR_FACTOR = 2;
+const DETOUR_M = 100;
+
+/** Returns whether the way of an actor is much longer than the lines between its places. */
+export function takesDetour({ places, pathLength }: ShownActor): boolean {
+  const line = lengthOf(places.flatMap(({ x, y }) => [x, y]));
+  return pathLength > Math.max(DETOUR_FACTOR * line, line + DETOUR_M);
 }
 
 /** Returns the actor whose box is at a place of the map, or is nearest within some metres. */

@@ -1,5 +1,6 @@
-import { useCallback, useEffect, useReducer, useState } from "react";
+import { useCallback, useEffect, useReducer, useRef } from "react";
 import { isObject, type Json, type JsonObject, withValue } from "../../components/fields/pointers";
+import { keepEarlier } from "./earlier";
 import { historyOf, nextHistory } from "./history";
 
 const KEY = "drivora:draft";
@@ -34,7 +35,12 @@ export function useDraft(): Draft {
     return () => clearTimeout(timer);
   }, [now]);
   const change = useCallback((to: JsonObject, of = "") => act({ do: "change", to, of }), []);
-  const [open] = useState(() => (document: JsonObject) => act({ do: "open", document }));
+  const latest = useRef(now);
+  latest.current = now;
+  const open = useCallback((document: JsonObject) => {
+    keepEarlier(latest.current);
+    act({ do: "open", document });
+  }, []);
   return {
     scenario: now,
     opened: history.opened,

@@ -62,7 +62,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
     ),
   },
   { id: "tester", title: "Method", width: "100px", cell: ({ tester }) => tester },
-  { id: "agent", title: "ADS", width: "86px", cell: ({ agent }) => agent },
+  { id: "agent", title: "ADS", width: "104px", cell: ({ agent }) => agent },
   {
     id: "scene",
     title: "Scene",
@@ -72,7 +72,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   {
     id: "progress",
     title: "Simulations",
-    width: "132px",
+    width: "152px",
     cell: ({ simulations, budget }) => <Progress done={simulations} of={budget} />,
   },
   {

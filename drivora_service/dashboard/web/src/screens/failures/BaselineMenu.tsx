@@ -1,11 +1,14 @@
 import { useQuery } from "@tanstack/react-query";
+import { useState } from "react";
 import { api, body } from "../../api/client";
 import { Menu } from "../../components/Menu";
 import { moment } from "../../components/numbers";
 import { TimeChoice } from "../../components/TimeChoice";
 import { isTime } from "./triage";
 
-const MOST = 5;
+/** As many of each kind are known by their names. */
+const KNOWN = 200;
+const MOST_SHOWN = 9;
 
 /** What failures are compared with: those before a time, or of a study, a campaign or a batch. */
 export function BaselineMenu({
@@ -17,6 +20,7 @@ export function BaselineMenu({
 }) {
   return (
     <Menu
+      align="right"
       active={baseline !== ""}
       title="Which failures are new, the same or gone since then"
       label={
@@ -53,16 +57,18 @@ interface Owner {
   readonly kind: string;
 }
 
-/** The newest studies, campaigns and batches. */
+/** The newest studies, campaigns and batches; those of campaigns are their campaign. */
 function useOwners(): readonly Owner[] {
-  const query = { limit: MOST };
+  const query = { limit: KNOWN };
   const { data } = useQuery({
     queryKey: ["baselines"],
     queryFn: async () => {
       const [studies, campaigns, batches] = await Promise.all([
         api.GET("/api/v1/studies", { params: { query } }),
         api.GET("/api/v1/campaigns", { params: { query } }),
-        api.GET("/api/v1/batches", { params: { query } }),
+        api.GET("/api/v1/batches", {
+          params: { query: { ...query, priority: ["interactive", "ci"] } },
+        }),
       ]);
       const owners = (kind: string, items: readonly { id: string; name: string }[]) =>
         items.map(({ id, name }) => ({ id, name: name || id, kind }));
@@ -83,33 +89,42 @@ function Named({ id }: { readonly id: string }) {
 
 function Owners({ onChoose }: { readonly onChoose: (id: string) => void }) {
   const owners = useOwners();
+  const [text, setText] = useState("");
+  const wanted = text.trim().toLowerCase();
+  const found = owners.filter(
+    ({ id, name }) => name.toLowerCase().includes(wanted) || id.startsWith(wanted),
+  );
   return (
     <>
-      {owners.length > 0 && <p className="quiet note">Or those of one of the newest</p>}
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          // An id may be that of one too old to be listed.
+          const id = found[0]?.id ?? text.trim();
+          if (id) onChoose(id);
+        }}
+      >
+        <input
+          className="wide"
+          aria-label="Name or id of a batch, a campaign or a study"
+          placeholder="or those of: name or id"
+          value={text}
+          onChange={({ target }) => setText(target.value)}
+        />
+      </form>
       <ul className="menu-list">
-        {owners.map(({ id, name, kind }) => (
+        {found.slice(0, MOST_SHOWN).map(({ id, name, kind }) => (
           <li key={id}>
-            <button type="button" className="item" onClick={() => onChoose(id)}>
+            <button type="button" className="item" title={id} onClick={() => onChoose(id)}>
               <span className="word">{name}</span> <span className="quiet">{kind}</span>
             </button>
           </li>
         ))}
       </ul>
-      <form
-        className="row"
-        onSubmit={(event) => {
-          event.preventDefault();
-          onChoose(String(new FormData(event.currentTarget).get("id") ?? "").trim());
-        }}
-      >
-        <input
-          name="id"
-          aria-label="Id of a study, a campaign or a batch"
-          placeholder="id"
-          size={26}
-        />
-        <button type="submit">Apply</button>
-      </form>
+      {found.length > MOST_SHOWN && (
+        <p className="quiet note">{found.length - MOST_SHOWN} more: type a part of the name</p>
+      )}
+      {found.length === 0 && <p className="quiet note">None has this name; enter takes an id</p>}
     </>
   );
 }

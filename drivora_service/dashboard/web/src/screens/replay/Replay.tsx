@@ -1,6 +1,7 @@
 import { useSearch } from "@tanstack/react-router";
 import { useEffect, useMemo, useRef, useState } from "react";
 import type { Schemas } from "../../api/client";
+import { CopyLink } from "../../components/CopyLink";
 import { Loading, Refused } from "../../components/States";
 import { type Camera, cameraText } from "../../roads/camera";
 import { useGeometry } from "../../roads/useGeometry";
@@ -293,6 +294,7 @@ function Player({
         {recording.log.length > 0 && <AgentLog recording={recording} clock={clock} ego={ego} />}
       </aside>
       <Controls clock={clock}>
+        <CopyLink />
         <label>
           Follow{" "}
           <select value={state.follow} onChange={(event) => follow(event.target.value)}>

@@ -20,6 +20,8 @@ export function RunPreview({ pointed }: { readonly pointed: Pointed | undefined 
   }, [pointed]);
   // A run without a recording has no picture.
   if (!shown || shown !== pointed || !shown.run.trace_sha256) return null;
+  // A list that was loaded anew has other rows.
+  if (!shown.element.isConnected) return null;
   return <Picture key={shown.run.id} {...shown} />;
 }
 

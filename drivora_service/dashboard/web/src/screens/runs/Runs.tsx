@@ -1,6 +1,6 @@
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { useNavigate, useSearch } from "@tanstack/react-router";
-import { useMemo, useState } from "react";
+import { useEffect, useMemo, useState } from "react";
 import { firstOf } from "../../address";
 import { api, body } from "../../api/client";
 import { DataTable } from "../../components/DataTable";
@@ -76,6 +76,8 @@ export function Runs() {
     if (one && other && !third)
       void navigate({ to: "/runs/$runId", params: { runId: one }, search: { with: other } });
   };
+  // biome-ignore lint/correctness/useExhaustiveDependencies: with other filters the rows are others
+  useEffect(() => setPointed(undefined), [search]);
   const anyFilter = Object.keys(filters).length > 0;
   return (
     <>
@@ -132,7 +134,9 @@ export function Runs() {
             onOpen={({ id }) => void navigate({ to: "/runs/$runId", params: { runId: id } })}
             height="calc(100vh - 196px)"
           />
-          <RunPreview pointed={pointed} />
+          <RunPreview
+            pointed={rows.some(({ id }) => id === pointed?.run.id) ? pointed : undefined}
+          />
         </div>
       )}
     </>
