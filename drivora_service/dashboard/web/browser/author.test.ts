@@ -31,6 +31,7 @@ const url = inject("url");
 const made = inject("made");
 const api = new Api(url);
 const LIMIT_MS = 120_000;
+const PATIENT = { timeout: 20_000 };
 const TOWN = "signal-grid";
 let browser: Browser;
 
@@ -89,15 +90,15 @@ it(
   async () => {
     const { page, context, complaints } = await open(browser, `${url}/author`);
     await begin(page);
-    await expect.poll(() => answer(page)).toContain("problem");
+    await expect.poll(() => answer(page), PATIENT).toContain("problem");
     await page.getByLabel("Kind of place").selectOption("left turn that gives way");
     await page.locator(".author-place button").first().click();
     await page.getByRole("button", { name: "Ego drives it" }).click();
-    await expect.poll(() => answer(page)).toBe("It can be run");
+    await expect.poll(() => answer(page), PATIENT).toBe("It can be run");
     await page.getByLabel("Kind of place").selectOption("crossing");
     await page.locator(".author-place button").first().click();
     await page.getByRole("button", { name: "Walker crosses" }).click();
-    await expect.poll(() => answer(page)).toBe("It can be run");
+    await expect.poll(() => answer(page), PATIENT).toBe("It can be run");
     const written = await draft(page);
     expect(written.npc_walkers).toHaveLength(1);
     await page.getByRole("button", { name: "Run", exact: true }).click();
@@ -109,10 +110,10 @@ it(
     expect(driven.ego_vehicles[0]?.route).toMatchObject(written.ego_vehicles[0]?.route ?? []);
     // The replay has begun on the map.
     await expect
-      .poll(() => page.locator(".author-try .time").innerText())
+      .poll(() => page.locator(".author-try .time").innerText(), PATIENT)
       .toMatch(/^(?!0\.00)\d+\.\d\d s/);
     await page.keyboard.press("Escape");
-    await expect.poll(() => answer(page)).toBe("It can be run");
+    await expect.poll(() => answer(page), PATIENT).toBe("It can be run");
     expect(await draft(page)).toEqual(written);
     expect(complaints).toEqual([]);
     await context.close();
@@ -146,7 +147,7 @@ it(
       placed,
     );
     await expect
-      .poll(() => page.locator(".author-part").nth(1).innerText())
+      .poll(() => page.locator(".author-part").nth(1).innerText(), PATIENT)
       .toContain(`${Math.round(told.actors[0]?.path_length ?? 0)} m long`);
     const [x, y] = await middle(page);
     const [[ax, ay], [bx, by]] = second.shape as [[number, number], [number, number]];
@@ -186,27 +187,27 @@ it(
     const text = page.locator(".author-text .cm-content");
     await text.waitFor();
     const id = egos[0]?.id ?? "";
-    await expect.poll(() => text.innerText()).toContain(`"id": "${id}"`);
+    await expect.poll(() => text.innerText(), PATIENT).toContain(`"id": "${id}"`);
     await text.click();
     await page.keyboard.press("Control+a");
     await page.keyboard.insertText(JSON.stringify({ ...before, seed: 4711 }));
     expect((await draft(page)).seed).toBe(4711);
     await page.keyboard.press("Control+a");
     await page.keyboard.insertText('{ "seed": 5, ');
-    await expect.poll(() => answer(page)).toBe("The text cannot be read");
+    await expect.poll(() => answer(page), PATIENT).toBe("The text cannot be read");
     // The map and the draft stay as they were read last.
     expect((await draft(page)).seed).toBe(4711);
     await page.keyboard.press("Control+z");
-    await expect.poll(() => answer(page)).not.toBe("The text cannot be read");
+    await expect.poll(() => answer(page), PATIENT).not.toBe("The text cannot be read");
     await page.getByRole("button", { name: "YAML" }).click();
-    await expect.poll(() => text.innerText()).toContain("seed: 4711");
+    await expect.poll(() => text.innerText(), PATIENT).toContain("seed: 4711");
     await page.getByRole("button", { name: "Fields", exact: true }).click();
     await expect
       .poll(() => page.getByRole("spinbutton", { name: "Seed" }).inputValue())
       .toBe("4711");
     await page.getByRole("spinbutton", { name: "Seed" }).fill("12");
     await page.getByRole("button", { name: "Text", exact: true }).click();
-    await expect.poll(() => text.innerText()).toContain("seed: 12");
+    await expect.poll(() => text.innerText(), PATIENT).toContain("seed: 12");
     expect(complaints).toEqual([]);
     await context.close();
   },
@@ -218,7 +219,7 @@ it(
   async () => {
     const { page, context } = await open(browser, `${url}/author?run=${made.run}`);
     await page.locator(".map canvas").waitFor();
-    await expect.poll(() => answer(page)).toContain("It can be run");
+    await expect.poll(() => answer(page), PATIENT).toContain("It can be run");
     const { ego_vehicles } = await draft(page);
     await page.keyboard.press("t");
     const text = page.locator(".author-text .cm-content");
@@ -227,14 +228,16 @@ it(
     const [ego, ...others] = ego_vehicles;
     const wrong = { ...(await draft(page)), ego_vehicles: [{ ...ego, start_time: -1 }, ...others] };
     await page.keyboard.insertText(JSON.stringify(wrong));
-    await expect.poll(() => answer(page)).toBe("1 problem: it cannot be run yet");
+    await expect.poll(() => answer(page), PATIENT).toBe("1 problem: it cannot be run yet");
     expect(await page.getByRole("button", { name: "Run", exact: true }).isDisabled()).toBe(true);
     await page.getByRole("button", { name: "Fields", exact: true }).click();
     await page.locator(".author-problems button").click();
     const field = page.getByRole("spinbutton", { name: "Start time" });
-    await expect.poll(() => field.evaluate((node) => node === document.activeElement)).toBe(true);
+    await expect
+      .poll(() => field.evaluate((node) => node === document.activeElement), PATIENT)
+      .toBe(true);
     await field.fill("2");
-    await expect.poll(() => answer(page)).toContain("It can be run");
+    await expect.poll(() => answer(page), PATIENT).toContain("It can be run");
     expect((await draft(page)).ego_vehicles[0]?.start_time).toBe(2);
     await context.close();
   },
@@ -264,14 +267,14 @@ it(
     await at(lanes.find(({ edge }) => edge !== lanes[0]?.edge));
     await page.keyboard.press("Space");
     await page.keyboard.press("Enter");
-    await expect.poll(() => answer(page)).toContain("It can be run");
+    await expect.poll(() => answer(page), PATIENT).toContain("It can be run");
     expect((await draft(page)).ego_vehicles[0]?.route).toHaveLength(2);
     const [start] = (await draft(page)).ego_vehicles[0]?.route ?? [];
     await page.keyboard.press("Shift+ArrowUp");
     const [moved] = (await draft(page)).ego_vehicles[0]?.route ?? [];
     expect((moved?.y ?? 0) - (start?.y ?? 0)).toBeCloseTo(5);
     await page.keyboard.press("u");
-    await expect.poll(() => answer(page)).toContain("It can be run");
+    await expect.poll(() => answer(page), PATIENT).toContain("It can be run");
     await page.keyboard.press("x");
     await page.locator(".author-try .verdict-line").waitFor({ timeout: 60_000 });
     await context.close();
@@ -284,17 +287,19 @@ it(
   async () => {
     const { page, context, complaints } = await open(browser, `${url}/author?run=${made.run}`);
     await page.locator(".author .map canvas").waitFor();
-    await expect.poll(() => answer(page)).toContain("It can be run");
+    await expect.poll(() => answer(page), PATIENT).toContain("It can be run");
     // Both sides of the desk have been looked at before: they share what they ask for.
     await page.mouse.click(...(await middle(page)));
     await page.getByRole("button", { name: "Vary" }).click();
     await page.getByRole("heading", { name: "New campaign" }).waitFor();
-    await expect.poll(() => page.locator("main").innerText()).toContain("of the author screen");
+    await expect
+      .poll(() => page.locator("main").innerText(), PATIENT)
+      .toContain("of the author screen");
     await page.goBack();
     await page.locator(".author .map canvas").waitFor();
     await page.getByRole("button", { name: "New", exact: true }).click();
     await page.getByRole("button", { name: /actors?, 20/ }).click();
-    await expect.poll(() => answer(page)).toContain("It can be run");
+    await expect.poll(() => answer(page), PATIENT).toContain("It can be run");
     expect(complaints).toEqual([]);
     await context.close();
   },
@@ -320,7 +325,7 @@ it.each(THEMES)(
   async (theme) => {
     const { page, context } = await open(browser, `${url}/author?run=${made.run}`, theme);
     await page.locator(".map canvas").waitFor();
-    await expect.poll(() => answer(page)).toContain("It can be run");
+    await expect.poll(() => answer(page), PATIENT).toContain("It can be run");
     expect(await findings(page)).toEqual([]);
     await page.mouse.click(...(await middle(page)));
     await page.keyboard.press("t");

@@ -178,7 +178,7 @@ it(
     await withoutPictures(page);
     await page.goto(`${url}/failures?${shown}`);
     await page.getByRole("button", { name: "Baseline" }).click();
-    await page.getByLabel("Id of a study, a campaign or a batch").fill(theirs);
+    await page.getByLabel("Name or id of a batch, a campaign or a study").fill(theirs);
     await page.keyboard.press("Enter");
     await page.locator(".answer", { hasText: "Since the baseline" }).waitFor();
     expect(new URL(page.url()).searchParams.get("baseline")).toBe(theirs);
