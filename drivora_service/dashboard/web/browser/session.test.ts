@@ -16,6 +16,7 @@ let browser: Browser;
 let address: string;
 let reader: string;
 let submitter: string;
+let administrator: string;
 
 async function token(name: string, scope: string): Promise<string> {
   const words = ["tokens", "create", name, "--scope", scope, "--data-dir", folder, "--json"];
@@ -25,6 +26,7 @@ async function token(name: string, scope: string): Promise<string> {
 beforeAll(async () => {
   reader = await token("reader", "read");
   submitter = await token("submitter", "submit");
+  administrator = await token("administrator", "admin");
   [browser] = await Promise.all([startBrowser(), service.start()]);
   address = `http://127.0.0.1:${new URL(service.url).port}`;
 });
@@ -66,6 +68,29 @@ it("a reader signs in with a token, sees the screen of the address, and signs ou
   await page.getByLabel("Token").waitFor();
   expect(await page.evaluate("fetch('/api/v1/runs').then(({ status }) => status)")).toBe(401);
   await context.close();
+});
+
+it("only an administrator is offered to import a network, and others are told why not", async () => {
+  for (const [secret, scope] of [
+    [submitter, "submit"],
+    [administrator, "admin"],
+  ] as const) {
+    const { page, context } = await open(browser, `${address}/networks`);
+    await page.getByLabel("Token").fill(secret);
+    await page.getByRole("button", { name: "Sign in" }).click();
+    await page.getByRole("button", { name: "Import a network" }).click();
+    const panel = page.getByRole("region", { name: "Import a network" });
+    if (scope === "admin") await panel.getByText("Choose a file").waitFor();
+    else await panel.getByText("you are signed in with the scope submit").waitFor();
+    // The cookie of a page may do what its token may.
+    const status = await page.evaluate(
+      `fetch("/api/v1/networks?name=${scope}&format=sumo", {
+        method: "POST", body: "<net/>", headers: { "content-type": "text/xml" }
+      }).then(({ status }) => status)`,
+    );
+    expect(status).toBe(scope === "admin" ? 422 : 403);
+    await context.close();
+  }
 });
 
 it("only a token that may submit is offered to minimise a failing run", async () => {

@@ -2,7 +2,7 @@ import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useRouter } from "@tanstack/react-router";
 import { api, body } from "../api/client";
 import { connectAgain } from "../live/hub";
-import { allows } from "./scope";
+import { allows, type Scope } from "./scope";
 
 export const SESSION_KEY = ["session"] as const;
 
@@ -15,9 +15,20 @@ export function useSession() {
 }
 
 /** What the reader may do: screens offer only this. */
-export function useScope(): { readonly mayRead: boolean; readonly maySubmit: boolean } {
+export function useScope(): {
+  readonly mayRead: boolean;
+  readonly maySubmit: boolean;
+  readonly mayAdminister: boolean;
+  /** The scope of the reader's token; null where no token is needed. */
+  readonly scope: Scope | null;
+} {
   const { data } = useSession();
-  return { mayRead: allows(data, "read"), maySubmit: allows(data, "submit") };
+  return {
+    mayRead: allows(data, "read"),
+    maySubmit: allows(data, "submit"),
+    mayAdminister: allows(data, "admin"),
+    scope: data?.scope ?? null,
+  };
 }
 
 /** Begins and ends the reader's session. */

@@ -1,10 +1,15 @@
 import { useQuery } from "@tanstack/react-query";
 import { Link, useNavigate } from "@tanstack/react-router";
+import { useRef, useState } from "react";
 import { api, body, type Schemas } from "../../api/client";
 import { type Column, DataTable } from "../../components/DataTable";
 import { count, fixed } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
+import { useKeys } from "../../shell/keys";
 import { useTitle } from "../../shell/useTitle";
+import { ImportNetwork } from "./ImportNetwork";
+import { useFileDrop } from "./useFileDrop";
+import "./import.css";
 
 type Network = Schemas["Network"];
 
@@ -64,6 +69,21 @@ export function Networks() {
   useTitle("Networks");
   const navigate = useNavigate();
   const query = useQuery({ queryKey: ["network", "list"], queryFn: allNetworks });
+  const [importing, setImporting] = useState(false);
+  const [file, setFile] = useState<File>();
+  const [busy, setBusy] = useState(false);
+  const opener = useRef<HTMLButtonElement>(null);
+  const held = useFileDrop((dropped) => {
+    if (busy) return;
+    setFile(dropped);
+    setImporting(true);
+  });
+  useKeys([{ keys: "i", does: "import a network", run: () => setImporting(true) }]);
+  const close = () => {
+    setImporting(false);
+    setFile(undefined);
+    opener.current?.focus();
+  };
   return (
     <>
       <div className="head">
@@ -71,7 +91,21 @@ export function Networks() {
         <p className="answer">
           {query.data && `${query.data.length} road networks that scenarios may take place on`}
         </p>
+        <div className="actions">
+          <button
+            ref={opener}
+            type="button"
+            aria-expanded={importing}
+            onClick={() => (importing ? close() : setImporting(true))}
+          >
+            Import a network
+          </button>
+        </div>
       </div>
+      {importing && (
+        <ImportNetwork file={file} busy={busy} onFile={setFile} onBusy={setBusy} onClose={close} />
+      )}
+      {held && !busy && <div className="drop-here">Drop a network's file to import it</div>}
       {query.isPending ? (
         <Loading />
       ) : query.isError ? (
