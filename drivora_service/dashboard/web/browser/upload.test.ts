@@ -16,6 +16,7 @@ interface Network {
 }
 
 const TOWN = join(REPOSITORY, "sumo_nets", "tee-town", "tee-town.net.xml");
+const WAITING = { timeout: 30_000 };
 const folder = mkdtempSync(join(tmpdir(), "drivora-upload-"));
 const url = inject("url");
 const api = new Api(url);
@@ -53,7 +54,7 @@ async function drop(page: Page, path: string, fileName: string): Promise<void> {
   await page.dispatchEvent("main h1", "dragover", { dataTransfer: transfer });
   await page.locator(".drop-here").waitFor();
   await page.dispatchEvent("main h1", "drop", { dataTransfer: transfer });
-  await expect.poll(() => page.locator(".drop-here").count()).toBe(0);
+  await expect.poll(() => page.locator(".drop-here").count(), WAITING).toBe(0);
 }
 
 it("a network is imported by keys alone, and its map is opened", async () => {
@@ -65,7 +66,7 @@ it("a network is imported by keys alone, and its map is opened", async () => {
   expect(await findings(page)).toEqual([]);
 
   await page.keyboard.press("Escape");
-  await expect.poll(() => panel.count()).toBe(0);
+  await expect.poll(() => panel.count(), WAITING).toBe(0);
   expect(await page.evaluate("document.activeElement.textContent")).toBe("Import a network");
 
   await page.keyboard.press("Enter");
@@ -74,7 +75,9 @@ it("a network is imported by keys alone, and its map is opened", async () => {
   expect(await named.inputValue()).toBe(`${name}-1`);
   expect(await panel.getByLabel("Format").inputValue()).toBe("sumo");
   await named.fill("../old town");
-  await expect.poll(() => panel.getByRole("button", { name: "Import" }).isDisabled()).toBe(true);
+  await expect
+    .poll(() => panel.getByRole("button", { name: "Import" }).isDisabled(), WAITING)
+    .toBe(true);
   await panel.getByText("A name has 1 to 64 letters").waitFor();
   await named.fill(name);
   await named.press("Enter");
@@ -84,7 +87,7 @@ it("a network is imported by keys alone, and its map is opened", async () => {
   await page.locator("tbody tr", { hasText: name }).waitFor();
 
   await page.keyboard.press("Enter");
-  await expect.poll(() => new URL(page.url()).pathname).toBe(`/networks/${name}`);
+  await page.waitForURL(({ pathname }) => pathname === `/networks/${name}`);
   await drawn(page);
   const network = await api.get<Network>(`/networks/${name}`);
   expect(await page.locator("main .answer").innerText()).toContain(`${network.lanes} lanes`);
@@ -111,19 +114,19 @@ it("a dropped file is told why it is refused, and replaces a network only on req
   expect(await go.isDisabled()).toBe(true);
   await panel.getByLabel("Format").selectOption("sumo");
   await go.click();
-  await expect.poll(() => refused.innerText()).toContain("not well-formed XML: mismatched tag");
+  await refused.filter({ hasText: "not well-formed XML: mismatched tag" }).waitFor();
   expect(await replace.count()).toBe(0);
 
   await drop(page, file("again.net.xml", "again"), "again.net.xml");
   expect(await panel.getByLabel("Name").inputValue()).toBe("again");
   await panel.getByLabel("Name").fill("tee-town");
   await go.click();
-  await expect.poll(() => refused.innerText()).toContain("comes with Drivora");
+  await refused.filter({ hasText: "comes with Drivora" }).waitFor();
   expect(await panel.getByRole("button", { name: /Replace/ }).count()).toBe(0);
   await panel.getByLabel("Name").fill(name);
   expect(await refused.count()).toBe(0);
   await go.click();
-  await expect.poll(() => refused.innerText()).toContain("is already imported; replace it");
+  await refused.filter({ hasText: "is already imported; replace it" }).waitFor();
   expect(await findings(page)).toEqual([]);
   await replace.click();
   await panel.getByText(`Imported ${name}`).waitFor();
@@ -156,7 +159,7 @@ it("an import that is cancelled leaves nothing, and progress is told", async () 
   await page.getByRole("button", { name: "Import", exact: true }).click();
   const progress = page.getByRole("progressbar", { name: "Sent" });
   await expect
-    .poll(async () => Number(await progress.getAttribute("value")), { timeout: 30_000 })
+    .poll(async () => Number(await progress.getAttribute("value")), WAITING)
     .toBeGreaterThan(0);
   expect(await page.locator(".sent").innerText()).toContain(
     `of ${(statSync(large).size / 1e6).toFixed(1)} MB`,
@@ -175,7 +178,7 @@ it("an import that is cancelled leaves nothing, and progress is told", async () 
         body: readFileSync(TOWN),
       });
       return answer.status;
-    })
+    }, WAITING)
     .toBe(201);
   await context.close();
 });
