@@ -57,13 +57,14 @@ class Service:
         drain: Takes no more work, waits for the given seconds for running runs, and puts the others
             back into the queue.
         stop_draining: Ends the wait of a drain.
-        end_streams: Ends the streams of events, which would else last; called in the event loop.
+        end_requests: Ends the streams of events and the import of a network, which would else last;
+            called in the event loop.
     """
 
     api: FastAPI
     drain: Callable[[float], None]
     stop_draining: Callable[[], None]
-    end_streams: Callable[[], None]
+    end_requests: Callable[[], None]
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -216,11 +217,16 @@ def create_service(
         own_slots=executor.slots,
     )
     api = create_api(context, lifespan, page=page_routes())
+
+    def end_requests() -> None:
+        feed_of(api).close()
+        imports.stop()
+
     return Service(
         api=api,
         drain=drain,
         stop_draining=dispatcher.stop_draining,
-        end_streams=feed_of(api).close,
+        end_requests=end_requests,
     )
 
 

@@ -164,8 +164,8 @@ class _Server(uvicorn.Server):
         settle_garbage_collector()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Ends the streams of events, then all connections once their requests are answered."""
-        self._service.end_streams()
+        """Ends the requests that last, then all connections once their requests are answered."""
+        self._service.end_requests()
         await super().shutdown(sockets)
 
     def _note_fault(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:

@@ -8,12 +8,12 @@ from __future__ import annotations
 import asyncio
 import shutil
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from http import HTTPStatus
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, ParamSpec
 
 from starlette.requests import ClientDisconnect, Request
 
@@ -21,6 +21,8 @@ from drivora_service.api.problems import ApiError
 from drivora_service.errors import StoreUnavailable
 from drivora_service.networks.import_order import MADE, SOURCE, ImportLimits, ImportOrder
 from drivora_service.networks.source_formats import SourceFormat
+
+P = ParamSpec("P")
 
 RETRY_AFTER_S = 5
 """Seconds after which a client may ask again that was refused for an import of another."""
@@ -62,6 +64,7 @@ class NetworkImports:
         self._folder = folder
         self._limits = limits or ImportLimits()
         self._is_busy = False
+        self._stopping = asyncio.Event()
 
     def remove_left(self) -> None:
         """Removes what is left of uploads to a service that was killed."""
@@ -78,13 +81,41 @@ class NetworkImports:
             check_use: Raises an error if the network must not be replaced now.
 
         Raises:
-            ApiError: Another import is being done, or the client left.
+            ApiError: Another import is being done, the client left, or the service is stopped.
             NetworkTaken: Another network has the name.
             NetworkError: The file cannot be used.
             StoreUnavailable: Nothing can be written at the moment.
         """
         await asyncio.to_thread(self._check, upload, check_use)
-        with self._turn(), _stored(), self._stage() as stage:
+        with self._turn():
+            await self._until_stopped(self._import(request, upload, check_use))
+
+    def stop(self) -> None:
+        """Ends the import that is being done, and all that follow."""
+        self._stopping.set()
+
+    async def _until_stopped(self, work: Coroutine[None, None, None]) -> None:
+        doing = asyncio.create_task(work)
+        stopping = asyncio.create_task(self._stopping.wait())
+        try:
+            await asyncio.wait((doing, stopping), return_when=asyncio.FIRST_COMPLETED)
+            if not doing.done():
+                raise ApiError(
+                    HTTPStatus.SERVICE_UNAVAILABLE,
+                    "the service is being stopped; import the network again later",
+                    headers={"Retry-After": str(RETRY_AFTER_S)},
+                )
+            doing.result()
+        finally:
+            stopping.cancel()
+            doing.cancel()
+            # Nothing of it is left when this ends.
+            await asyncio.gather(doing, return_exceptions=True)
+
+    async def _import(
+        self, request: Request, upload: Upload, check_use: Callable[[], None]
+    ) -> None:
+        with _stored(), self._stage() as stage:
             try:
                 await _receive(request, stage / SOURCE)
                 await self._make(request, upload, stage)
@@ -92,7 +123,7 @@ class NetworkImports:
                 # No client gets this answer.
                 raise ApiError(HTTPStatus.BAD_REQUEST, "the client left; nothing is kept") from None
             # Both may have changed meanwhile.
-            await asyncio.to_thread(self._publish, upload, stage, check_use)
+            await _in_thread(self._publish, upload, stage, check_use)
 
     def _check(self, upload: Upload, check_use: Callable[[], None]) -> None:
         """Refuses what can be refused before the body is read."""
@@ -148,8 +179,7 @@ class NetworkImports:
             leaving.cancel()
             cancelled.set()
             # The process must have ended before its folder is removed.
-            await asyncio.wait((making,))
-            making.exception()
+            await asyncio.gather(making, return_exceptions=True)
 
     def _publish(self, upload: Upload, stage: Path, check_use: Callable[[], None]) -> None:
         from drivora_service.networks.staging import publish
@@ -166,9 +196,21 @@ async def _receive(request: Request, path: Path) -> None:
         async for part in request.stream():
             gathered += part
             if len(gathered) >= _WRITE_BYTES:
-                await asyncio.to_thread(_write, file, bytes(gathered))
+                await _in_thread(_write, file, bytes(gathered))
                 gathered.clear()
-        await asyncio.to_thread(_write, file, bytes(gathered))
+        await _in_thread(_write, file, bytes(gathered))
+
+
+async def _in_thread(function: Callable[P, None], *args: P.args, **kwargs: P.kwargs) -> None:
+    """Calls a function in a thread, and waits for its end even if it is not wanted any more.
+
+    Else its folder would be removed while it writes there.
+    """
+    calling = asyncio.create_task(asyncio.to_thread(function, *args, **kwargs))
+    try:
+        await asyncio.shield(calling)
+    finally:
+        await asyncio.gather(calling, return_exceptions=True)
 
 
 def _write(file: BinaryIO, data: bytes) -> None:

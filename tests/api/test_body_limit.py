@@ -56,11 +56,12 @@ class Client:
         """Chunks that the server has read."""
         return self.events.count("read")
 
-    def post(self, declared: int | None) -> None:
+    def post(self, declared: int | None, path: str = "/") -> None:
         """Posts the chunks to an application behind the limit."""
         length = [] if declared is None else [(b"content-length", str(declared).encode())]
-        scope = {"type": "http", "method": "POST", "path": "/", "headers": length}
-        asyncio.run(BodyLimit(echo, max_bytes=LIMIT)(scope, self.receive, self.send))
+        scope = {"type": "http", "method": "POST", "path": path, "headers": length}
+        limit = BodyLimit(echo, max_bytes=LIMIT, of_paths={"/files": 3 * LIMIT})
+        asyncio.run(limit(scope, self.receive, self.send))
 
     @property
     def answer(self) -> dict[str, object]:
@@ -119,6 +120,28 @@ def test_a_client_that_stalls_is_cut_off(
     client = Client(chunk=LIMIT + 1, chunks=1, stalls=True)
     client.post(declared)
     assert client.taken == 1
+    assert client.answer == REFUSED
+
+
+def test_a_client_that_was_fast_and_stalls_is_not_waited_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(body_limit, "BODY_SECONDS", 0.05)
+    # At this speed its bytes would last for a quarter of an hour.
+    monkeypatch.setattr(body_limit, "BODY_BYTES_A_SECOND", 1)
+    client = Client(chunk=LIMIT - 1, chunks=1, stalls=True)
+    client.post(None)
+    assert client.answer == {"status": 408, "close": True, "complete": True}
+
+
+@pytest.mark.parametrize("declared", [3 * LIMIT, None])
+def test_a_path_with_a_limit_of_its_own(declared: int | None) -> None:
+    for path, expected in (("/files", 200), ("/files/x", 413), ("/", 413)):
+        client = Client(chunk=LIMIT, chunks=3)
+        client.post(declared, path)
+        assert client.answer["status"] == expected
+    client = Client(chunk=LIMIT, chunks=4)
+    client.post(None if declared is None else 4 * LIMIT, "/files")
     assert client.answer == REFUSED
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import gzip
 import io
 import os
+import signal
 import socket
 import threading
 import time
@@ -26,9 +27,9 @@ import pytest
 from drivora_service.api.examples import SCENARIO
 from drivora_service.networks.catalogue import shipped_networks
 from tests.api.test_connections import answer
-from tests.api.test_network_imports import NETWORKS, detail, post
+from tests.api.test_network_imports import ENDLESS, NETWORKS, detail, post
 from tests.forked_service import killed_service
-from tests.networks.broken_sources import opendrive, road
+from tests.networks.broken_sources import SOURCES, opendrive, road
 from tests.networks.test_confined_import import many_lanes, processes_in
 from tests.networks.test_importing import OSM
 
@@ -368,3 +369,27 @@ def test_a_service_that_was_killed_leaves_nothing_for_long(tmp_path: Path) -> No
     assert list(killed.networks.glob(".*"))
     with killed_service(tmp_path):
         assert list(killed.networks.iterdir()) == []
+
+
+def test_a_service_that_is_stopped_does_not_wait_for_an_import(tmp_path: Path) -> None:
+    pytest.importorskip("sumo")
+    networks = tmp_path / "networks"
+    answers: list[httpx.Response] = []
+
+    def upload(url: str) -> None:
+        with httpx.Client(base_url=url, timeout=60) as client:
+            answers.append(post(client, SOURCES[ENDLESS].make(), form="openstreetmap"))
+
+    with killed_service(tmp_path) as (service, url):
+        uploading = threading.Thread(target=upload, args=(url,))
+        uploading.start()
+        wait_for(lambda: any(networks.glob(".*/source.xml")))
+        (stage,) = networks.glob(".*")
+        service.send_signal(signal.SIGTERM)
+        assert service.wait(20.0) == 0
+        uploading.join()
+    assert answers[0].status_code == 503
+    assert "the service is being stopped" in detail(answers[0])
+    assert list(networks.iterdir()) == []
+    assert processes_in(stage) == []
+    assert "Traceback" not in (tmp_path / "service.log").read_text()

@@ -15,6 +15,7 @@ from pathlib import Path
 import httpx
 import pytest
 
+from drivora_service.networks.catalogue import shipped_networks
 from tests.faults.conftest import Judge
 from tests.faults.service_under_test import Service
 from tests.faults.volumes import full, small_volume
@@ -125,6 +126,32 @@ def test_the_volume_of_all_data_full(own_service: Service, check: Judge, trial: 
             service.stop()
     assert answer.is_success
     assert told <= LINES_PER_FAULT, f"{told} lines in {FAULT_S:g} s: {service.log_tail()}"
+
+
+def test_an_uploaded_network_that_does_not_fit(
+    own_service: Service, check: Judge, trial: int
+) -> None:
+    """It is refused for now, leaves nothing, and costs no run."""
+    service = own_service
+    networks = service.data / "networks"
+    address = "/networks?name=town&format=sumo"
+    xml = {"Content-Type": "application/xml"}
+    network = (shipped_networks() / "tee-town" / "tee-town.net.xml").read_bytes()
+    with small_volume(networks, megabytes=8):
+        try:
+            service.start()
+            work = service.post(good_runs(6))
+            with service.client() as client:
+                refused = client.post(address, content=network + bytes(24 << 20), headers=xml)
+                left = list(networks.iterdir())
+                taken = client.post(address, content=network, headers=xml)
+            check(service, work)
+        finally:
+            service.stop()
+    assert refused.status_code == 503, refused.text
+    assert "No space left on device; nothing is kept" in refused.json()["detail"]
+    assert left == []
+    assert taken.status_code == 201, taken.text
 
 
 def test_the_database_locked_by_another_process(service: Service, check: Judge, trial: int) -> None:
