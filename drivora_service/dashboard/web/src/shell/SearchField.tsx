@@ -2,7 +2,7 @@ import { useNavigate } from "@tanstack/react-router";
 import { type KeyboardEvent, useRef, useState } from "react";
 import { type Found, type FoundKind, matching } from "./found";
 import { useKeys } from "./keys";
-import { useFound } from "./useFound";
+import { NEWEST, useFound } from "./useFound";
 
 const WORDS: Readonly<Record<FoundKind, string>> = {
   run: "run",
@@ -97,7 +97,12 @@ export function SearchField() {
               <span className="quiet">{found.note}</span>
             </button>
           ))}
-          {shown.length === 0 && <p className="quiet note">Nothing has this id or name.</p>}
+          {shown.length === 0 && (
+            <p className="quiet note">
+              Nothing has this id, and none of the newest {NEWEST} of a kind has this name. The
+              filters of Runs find older ones.
+            </p>
+          )}
         </div>
       )}
     </search>

@@ -3,7 +3,8 @@ import { api, body, type Schemas } from "../api/client";
 import { nameOf } from "../screens/minimizations/minimization";
 import { type Found, isId } from "./found";
 
-const NEWEST = 500;
+/** As many of each kind are found by their names. */
+export const NEWEST = 500;
 const newest = { params: { query: { limit: NEWEST } } } as const;
 
 /** Everything that has a name and can be opened; it is asked for when the reader searches.

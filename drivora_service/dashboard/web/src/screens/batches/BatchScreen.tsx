@@ -6,6 +6,7 @@ import { Mark } from "../../components/Mark";
 import { count, moment } from "../../components/numbers";
 import { Shares } from "../../components/Shares";
 import { Loading, Refused } from "../../components/States";
+import { ResultTables } from "../../lists/ResultTables";
 import { useTitle } from "../../shell/useTitle";
 import { STATUS_WORDS } from "../runs/status";
 import { BatchActions } from "./BatchActions";
@@ -37,6 +38,7 @@ export function BatchScreen() {
         <div className="actions">
           <BatchActions batch={batch} />
           <BatchChoice batch={batch} />
+          <ResultTables name={batch.name || "batch"} conditions={{ batch: batch.id }} />
           <Link to="/runs" search={{ batch: batch.id }} className="button">
             All its runs
           </Link>

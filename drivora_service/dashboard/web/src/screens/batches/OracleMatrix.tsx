@@ -4,7 +4,8 @@ import { api, body } from "../../api/client";
 import { count } from "../../components/numbers";
 import { Loading, Refused } from "../../components/States";
 import { OracleHelp } from "../../help/OracleHelp";
-import { type MatrixRow, matrixOf, OUTCOMES, searchOf } from "./matrix";
+import { plain } from "../failures/words";
+import { faultOpen, type MatrixRow, matrixOf, OUTCOMES, searchOf } from "./matrix";
 
 /** Oracles by outcomes of a batch's runs; each number leads to its runs. */
 export function OracleMatrix({ batchId }: { readonly batchId: string }) {
@@ -25,12 +26,20 @@ export function OracleMatrix({ batchId }: { readonly batchId: string }) {
   if (query.isPending) return <Loading />;
   if (query.isError) return <Refused error={query.error} onRepeat={() => void query.refetch()} />;
   const rows = matrixOf(query.data);
+  const open = faultOpen(rows);
   return (
     <>
       {rows.length > 0 && <Matrix rows={rows} batchId={batchId} />}
       <p className="quiet note">
         {rows.length === 0 ? "No oracle was violated so far." : "All other oracles passed so far."}
       </p>
+      {open.length > 0 && (
+        <p className="quiet note">
+          {open.map(plain).join(", ")}: in some of these runs the fault is undetermined, or the
+          oracle does not attribute it. Gates and comparisons count violations of oracles that do
+          not attribute fault.
+        </p>
+      )}
     </>
   );
 }

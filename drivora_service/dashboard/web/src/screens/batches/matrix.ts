@@ -15,11 +15,17 @@ export interface OutcomeColumn {
 export const OUTCOMES: readonly OutcomeColumn[] = [
   {
     id: "at_fault",
-    title: "Violated, at fault",
+    title: "An ego at fault",
     filter: { outcome: "violated", at_fault: "true" },
     bad: true,
   },
-  { id: "violated", title: "Violated, all", filter: { outcome: "violated" }, bad: false },
+  {
+    id: "not_at_fault",
+    title: "No ego at fault",
+    filter: { outcome: "violated", at_fault: "false" },
+    bad: false,
+  },
+  { id: "violated", title: "All violated", filter: { outcome: "violated" }, bad: false },
   {
     id: "not_measurable",
     title: "Not measurable",
@@ -43,11 +49,25 @@ export function matrixOf(counts: readonly Counts[]): readonly MatrixRow[] {
       number: counts[place]?.oracle[oracle] ?? 0,
     })),
   }));
-  const rank = ({ cells }: MatrixRow) => (cells[0]?.number ?? 0) * 1e6 + (cells[1]?.number ?? 0);
+  const rank = (row: MatrixRow) => numberOf(row, "at_fault") * 1e6 + numberOf(row, "violated");
   return rows.toSorted((a, b) => rank(b) - rank(a) || a.oracle.localeCompare(b.oracle));
 }
 
 /** Returns the address of the runs that a cell counts. */
 export function searchOf(batch: string, oracle: string, column: OutcomeColumn): Search {
   return { batch, oracle, ...column.filter };
+}
+
+/** Returns the oracles with runs in which the fault is open: not attributed, or undetermined. */
+export function faultOpen(rows: readonly MatrixRow[]): readonly string[] {
+  return rows
+    .filter(
+      (row) =>
+        numberOf(row, "violated") > numberOf(row, "at_fault") + numberOf(row, "not_at_fault"),
+    )
+    .map(({ oracle }) => oracle);
+}
+
+function numberOf({ cells }: MatrixRow, id: string): number {
+  return cells.find(({ column }) => column.id === id)?.number ?? 0;
 }

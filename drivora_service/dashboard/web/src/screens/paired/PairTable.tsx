@@ -14,8 +14,10 @@ import {
   pairsShown,
   SHOWN,
   shownOf,
+  signed,
   type WhichFails,
 } from "./paired";
+import { inOrder, nextOrder, orderOf, type PairOrder } from "./pairOrder";
 
 const LOOKS: Readonly<Record<WhichFails, MarkLook>> = {
   b_only: { sign: "✕", tone: "bad", text: "only B" },
@@ -37,8 +39,27 @@ export function PairTable({
   const navigate = useNavigate();
   const shown = shownOf(firstOf(search, "show"));
   const oracle = firstOf(search, "oracle");
-  const rows = useMemo(() => pairsShown(found.pairs, shown, oracle), [found.pairs, shown, oracle]);
-  const columns = useMemo(() => columnsOf(found), [found]);
+  const sort = firstOf(search, "sort");
+  const rows = useMemo(
+    () => inOrder(pairsShown(found.pairs, shown, oracle), orderOf(sort)),
+    [found.pairs, shown, oracle, sort],
+  );
+  const columns = useMemo(
+    () =>
+      columnsOf(found).map((column) =>
+        UNSORTED.has(column.id)
+          ? column
+          : sortable(column, orderOf(sort), (word) =>
+              navigate({
+                to: ".",
+                search: { ...search, sort: word || undefined },
+                replace: true,
+                resetScroll: false,
+              }),
+            ),
+      ),
+    [found, sort, search, navigate],
+  );
   return (
     <section className="panel pairs">
       <header>
@@ -82,6 +103,18 @@ export function PairTable({
       )}
     </section>
   );
+}
+
+const UNSORTED: ReadonlySet<string> = new Set(["a", "b", "trace"]);
+
+/** Returns a column whose header changes the order of the rows. */
+function sortable(
+  column: Column<Pair>,
+  now: PairOrder | undefined,
+  sort: (word: string) => void,
+): Column<Pair> {
+  const sorted = now?.by === column.id ? (now.descending ? "descending" : "ascending") : undefined;
+  return { ...column, sorted, onSort: () => sort(nextOrder(now, column.id)) };
 }
 
 function columnsOf({ pairs, scenarios }: Comparison): readonly Column<Pair>[] {
@@ -131,21 +164,38 @@ function columnsOf({ pairs, scenarios }: Comparison): readonly Column<Pair>[] {
         </Link>
       ),
     })),
-    ...metrics.flatMap((name) =>
-      (["a", "b"] as const).map((side) => ({
+    ...metrics.flatMap((name) => [
+      ...(["a", "b"] as const).map((side) => ({
         id: `${name} ${side}`,
         title: `${plain(name)} ${side.toUpperCase()}`,
         width: "124px",
         numeric: true,
         cell: (pair: Pair) => fixed(pair[side].metrics[name], 1) || "not measurable",
       })),
-    ),
-    {
-      id: "trace",
-      title: "Trace",
-      hint: "Whether both runs are the same, step by step",
-      width: "80px",
-      cell: ({ same_trace }) => (same_trace ? "same" : <span className="quiet">differs</span>),
-    },
+      {
+        id: `${name} difference`,
+        title: "B − A",
+        hint: `${plain(name)} of B less that of A`,
+        width: "80px",
+        numeric: true,
+        cell: ({ a, b }: Pair) => {
+          const [ofA, ofB] = [a.metrics[name], b.metrics[name]];
+          return ofA == null || ofB == null ? "" : signed(ofB - ofA);
+        },
+      },
+    ]),
+    // Two ADSs hardly ever drive alike: the column is there where it tells pairs apart.
+    ...(pairs.some(({ same_trace }) => same_trace)
+      ? [
+          {
+            id: "trace",
+            title: "Trace",
+            hint: "Whether both runs are the same, step by step",
+            width: "80px",
+            cell: ({ same_trace }: Pair) =>
+              same_trace ? "same" : <span className="quiet">differs</span>,
+          },
+        ]
+      : []),
   ];
 }

@@ -12,6 +12,7 @@ import {
   probability,
   shownOf,
 } from "./paired";
+import { inOrder, nextOrder, orderOf } from "./pairOrder";
 
 const result = (run: string, ...failures: readonly (readonly [string, number | null])[]) => ({
   run,
@@ -61,6 +62,33 @@ describe("the listed pairs", () => {
     const [other] = pairsShown(PAIRS, "b_only", "red_light");
     expect(other && failuresText(other.b)).toBe("red light");
     expect(names(pairsShown(PAIRS, "both", "collision"))).toEqual(["other", "still"]);
+  });
+});
+
+describe("the order of pairs", () => {
+  const scored = (scenario: string, a: number, b: number | null): Pair => {
+    const made = pair(scenario, "neither", [], []);
+    return {
+      ...made,
+      a: { ...made.a, metrics: { driving_score: a } },
+      b: { ...made.b, metrics: { driving_score: b } },
+    };
+  };
+  const some = [scored("s10", 90, 20), scored("s9", 50, null), scored("s2", 10, 60)];
+  it("is by a metric of a side or by the difference, what is not measurable last", () => {
+    expect(names(inOrder(some, orderOf("driving_score b")))).toEqual(["s10", "s2", "s9"]);
+    expect(names(inOrder(some, orderOf("-driving_score b")))).toEqual(["s2", "s10", "s9"]);
+    expect(names(inOrder(some, orderOf("driving_score difference")))).toEqual(["s10", "s2", "s9"]);
+    expect(names(inOrder(some, orderOf("-driving_score a")))).toEqual(["s10", "s9", "s2"]);
+  });
+  it("takes numbers in names as numbers", () => {
+    expect(names(inOrder(some, orderOf("scenario")))).toEqual(["s2", "s9", "s10"]);
+  });
+  it("is ascending, descending and none, one press after the other", () => {
+    expect(nextOrder(undefined, "fails")).toBe("fails");
+    expect(nextOrder(orderOf("fails"), "fails")).toBe("-fails");
+    expect(nextOrder(orderOf("-fails"), "fails")).toBe("");
+    expect(nextOrder(orderOf("-fails"), "seed")).toBe("seed");
   });
 });
 

@@ -1,5 +1,6 @@
 import { useEffect, useRef, useState } from "react";
 import { count } from "../../components/numbers";
+import { fileNameOf } from "../../documents/files";
 import { csvLines, storeFile } from "../../lists/csv";
 import type { Page } from "../../lists/useList";
 import type { Run } from "./columns";
@@ -32,9 +33,12 @@ const FIELDS = [
 
 /** Stores all runs of the filter as a file for a spreadsheet; a second press stops it. */
 export function CsvButton({
+  name,
   ask,
   total,
 }: {
+  /** What the file is called after. */
+  readonly name: string;
   readonly ask: (pageToken: string | undefined) => Promise<Page<Run>>;
   readonly total: number | undefined;
 }) {
@@ -57,11 +61,11 @@ export function CsvButton({
       setGot(rows);
       const page = await ask(token);
       if (stopped.current) return;
-      parts.push(csvLines(page.items.map((run) => FIELDS.map((name) => run[name]))));
+      parts.push(csvLines(page.items.map((run) => FIELDS.map((field) => run[field]))));
       rows += page.items.length;
       token = page.next_page_token || undefined;
     } while (token);
-    storeFile("runs.csv", "text/csv;charset=utf-8", parts);
+    storeFile(`${fileNameOf(name)}.csv`, "text/csv;charset=utf-8", parts);
   };
   const press = () => {
     if (got !== undefined) {

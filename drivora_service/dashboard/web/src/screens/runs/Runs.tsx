@@ -11,6 +11,7 @@ import { Empty, Loading, Refused } from "../../components/States";
 import { ColumnMenu } from "../../lists/ColumnMenu";
 import { useColumns } from "../../lists/columns";
 import { News } from "../../lists/News";
+import { ResultTables } from "../../lists/ResultTables";
 import { useLiveList } from "../../lists/useLiveList";
 import { ViewMenu } from "../../lists/ViewMenu";
 import { useTitle } from "../../shell/useTitle";
@@ -78,6 +79,10 @@ export function Runs() {
   };
   // biome-ignore lint/correctness/useExhaustiveDependencies: with other filters the rows are others
   useEffect(() => setPointed(undefined), [search]);
+  const named =
+    names.batches[firstOf(search, "batch")] ??
+    names.campaigns[firstOf(search, "campaign")] ??
+    "runs";
   const anyFilter = Object.keys(filters).length > 0;
   return (
     <>
@@ -93,7 +98,8 @@ export function Runs() {
               onClear={() => setSelected(new Set())}
             />
           )}
-          <CsvButton ask={ask(MOST)} total={counts.data?.total} />
+          <CsvButton name={named} ask={ask(MOST)} total={counts.data?.total} />
+          <ResultTables name={named} conditions={filters} />
           <ViewMenu list="runs" given={GIVEN_VIEWS} search={search} />
           <ColumnMenu all={all} ids={columns.ids} toggle={columns.toggle} reset={columns.reset} />
         </div>

@@ -3,7 +3,6 @@ import { Link, useNavigate } from "@tanstack/react-router";
 import { firstOf, type Search } from "../../address";
 import { api, body } from "../../api/client";
 import { Filters } from "../../components/Filters";
-import type { Filter } from "../../components/filterValues";
 import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
 import { Loading, Refused } from "../../components/States";
@@ -12,10 +11,10 @@ import { Changes } from "./Changes";
 import { Squares } from "./Squares";
 import { changeSentence, changesBetween, driverOf, lookOfGate, shareWords } from "./suite";
 import { Trend } from "./Trend";
+import { useDrivers } from "./useDrivers";
 import "./suites.css";
 
 const RUNS = 30;
-const AGENT: Filter = { name: "agent", title: "ADS", single: true };
 
 /** A suite: what its gate decided last and why, its trend, and the history of its scenarios. */
 export function SuiteScreen({
@@ -28,6 +27,7 @@ export function SuiteScreen({
   useTitle(suite);
   const navigate = useNavigate();
   const agent = firstOf(search, "agent");
+  const drivers = useDrivers(suite);
   const query = useQuery({
     queryKey: ["suite", "list", suite, agent],
     queryFn: async () =>
@@ -58,7 +58,7 @@ export function SuiteScreen({
           )}
         </p>
       </div>
-      <Filters filters={[AGENT]} search={search} />
+      <Filters filters={[drivers]} search={search} />
       {query.isPending && <Loading rows={12} />}
       {query.isError && <Refused error={query.error} onRepeat={() => void query.refetch()} />}
       {history && last && (

@@ -5,6 +5,7 @@ import {
   changesBetween,
   type History,
   type Outcome,
+  runsByDriver,
   type ScenarioState,
   shareWords,
   turnOf,
@@ -50,4 +51,8 @@ it("scenarios that changed are told, the worse first", () => {
     "same",
     "new",
   ]);
+});
+
+it("the ADSs that drove a suite are counted, runs of each scenario's own are not", () => {
+  expect(runsByDriver([{ agent: "idm" }, { agent: "" }, { agent: "idm" }])).toEqual({ idm: 2 });
 });

@@ -41,6 +41,15 @@ export function driverOf({
   return [agent || "as in the scenarios", ...agent_parameters].join(", ");
 }
 
+/** Returns how many runs each ADS drove; runs that each scenario's own ADSs drove are left out. */
+export function runsByDriver(
+  runs: readonly Pick<SuiteRun, "agent">[],
+): Readonly<Record<string, number>> {
+  const numbers = new Map<string, number>();
+  for (const { agent } of runs) if (agent) numbers.set(agent, (numbers.get(agent) ?? 0) + 1);
+  return Object.fromEntries(numbers);
+}
+
 /** Returns whether a scenario passed in all runs that had it. */
 export function alwaysPasses({ outcomes }: ScenarioLine): boolean {
   return outcomes.every((one) => one === null || one.state === "passes");
