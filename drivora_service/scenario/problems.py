@@ -167,9 +167,11 @@ def _message(details: ErrorDetails, model: type[BaseModel], *, guess: bool) -> s
         pattern = context["pattern"]
         return f"found {_shown(found)}; allowed is {PATTERN_MEANINGS.get(pattern, pattern)}"
     if kind in ("too_long", "too_short"):
-        limit = context.get("max_length", context.get("min_length"))
-        bound = "at most" if kind == "too_long" else "at least"
-        return f"found {len(found)} items; {bound} {limit} are needed"
+        items = f"found {len(found) or 'no'} {'item' if len(found) < 2 else 'items'}"
+        if kind == "too_long":
+            return f"{items}; at most {context['max_length']} are allowed"
+        least = context["min_length"]
+        return f"{items}; at least {least} {'is' if least == 1 else 'are'} needed"
     if details.get("msg", "").startswith("Input should be "):
         return (
             f"found {_shown(found)}; it should be {details['msg'].removeprefix('Input should be ')}"

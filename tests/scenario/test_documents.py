@@ -91,7 +91,7 @@ def test_wrong_items_are_not_also_a_list_too_short(good: dict[str, Any]) -> None
     assert list(problems_of(good)) == ["/ego_vehicles/0/route/0/x"]
     good["ego_vehicles"][0]["route"] = [{"x": 2, "y": 3}]
     found = problems_of(good)
-    assert found == {"/ego_vehicles/0/route": "found 1 items; at least 2 are needed"}
+    assert found == {"/ego_vehicles/0/route": "found 1 item; at least 2 are needed"}
 
 
 def test_keys_with_slashes_and_tildes_are_escaped(good: dict[str, Any]) -> None:
