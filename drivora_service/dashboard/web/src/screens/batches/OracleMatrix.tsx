@@ -37,7 +37,7 @@ export function OracleMatrix({ batchId }: { readonly batchId: string }) {
         <p className="quiet note">
           {open.map(plain).join(", ")}: in some of these runs the fault is undetermined, or the
           oracle does not attribute it. Gates and comparisons count violations of oracles that do
-          not attribute fault.
+          not attribute fault, but for observations.
         </p>
       )}
     </>
