@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated
 
@@ -30,16 +31,28 @@ _SUFFIXES = {
 _FORMS = (TableForm.CSV, TableForm.PARQUET, TableForm.ARROW, TableForm.JSON)
 
 
+def _file_name(owner: str, table: str) -> str:
+    """Returns a name in characters that every file system and a header allow."""
+    plain = re.sub(r"[^A-Za-z0-9_.-]+", "-", owner).strip("-.")[:80]
+    return f"{plain}-{table}" if plain else table
+
+
 def table_answer(
-    request: Request, name: str, opened: Callable[[], Table], columns: list[str] | None
+    request: Request,
+    name: str,
+    opened: Callable[[], Table],
+    columns: list[str] | None,
+    *,
+    owner: str = "",
 ) -> Response:
     """Answers with a table.
 
     Args:
         request: The request.
-        name: Name of the file, without its suffix.
+        name: Name of the table.
         opened: Opens the table.
         columns: Columns that the client wants; none: all.
+        owner: Name of what its rows belong to, for the name of the file; "" for all.
 
     Raises:
         ApiError: The client accepts none of the forms (406).
@@ -51,7 +64,8 @@ def table_answer(
     form = TableForm(accepted_form(request, _FORMS))
     table = chosen_columns(opened(), columns or ())
     headers = {
-        "Content-Disposition": f'attachment; filename="{name}.{_SUFFIXES[form]}"',
+        "Content-Disposition": f'attachment; filename="{_file_name(owner, name)}'
+        f'.{_SUFFIXES[form]}"',
         "Cache-Control": "private, no-cache",
         "Vary": "Accept, Authorization",
     }

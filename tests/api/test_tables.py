@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from typing import Any
 
 import httpx
@@ -141,7 +142,9 @@ def test_columns_and_evaluations_are_chosen(http: httpx.Client, finished: Json) 
     wanted: Json = {"column": ["status", "evaluation"], "after": 9}
     answer = http.get(url, params=wanted)
     assert answer.headers["Content-Type"].startswith("text/csv")
-    assert answer.headers["Content-Disposition"] == 'attachment; filename="evaluations.csv"'
+    name = re.sub("[ ,]+", "-", finished["name"])
+    told = answer.headers["Content-Disposition"]
+    assert told == f'attachment; filename="{name}-evaluations.csv"'
     head, *lines = answer.text.splitlines()
     assert head == "status,evaluation"
     assert lines[0].endswith(",10")

@@ -249,13 +249,15 @@ def get_table(
     ] = -1,
 ) -> Response:
     """Returns evaluations or failures of a campaign as a table, in a form by `Accept`."""
+    with context.database.read() as transaction:
+        campaign = transaction.campaigns.get(campaign_id)
 
     def opened() -> Table:
         from drivora_service.studies.campaign_tables import campaign_table
 
         return campaign_table(context.database, campaign_id, table, after=after)
 
-    return table_answer(request, table, opened, columns)
+    return table_answer(request, table, opened, columns, owner=campaign.name)
 
 
 def _no_trace(number: int) -> UnknownName:

@@ -257,14 +257,14 @@ def get_table(
 ) -> Response:
     """Returns campaigns, evaluations or failures of a study as a table, in a form by `Accept`."""
     with context.database.read() as transaction:
-        transaction.studies.get(study_id)
+        study = transaction.studies.get(study_id)
 
     def opened() -> Table:
         from drivora_service.studies.tables import study_table
 
         return study_table(context.database, study_id, table)
 
-    return table_answer(request, table, opened, columns)
+    return table_answer(request, table, opened, columns, owner=study.name)
 
 
 def _read_document(context: ApiContext, body: bytes, form: Literal["json", "yaml"]) -> ValidStudy:

@@ -47,4 +47,8 @@ def get_table(
         ids = campaign_ids(context.database, wanted.campaign_ids)
         return result_table(context.database, table, replace(wanted, campaign_ids=ids))
 
-    return table_answer(request, table, opened, columns)
+    owner = ""
+    if len(wanted.batch_ids) == 1 and not wanted.campaign_ids and not wanted.study_ids:
+        with context.database.read() as transaction:
+            owner = transaction.batches.get(wanted.batch_ids[0]).name
+    return table_answer(request, table, opened, columns, owner=owner)

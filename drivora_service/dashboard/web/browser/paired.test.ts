@@ -1,3 +1,4 @@
+import { readFileSync } from "node:fs";
 import type { Browser, Page } from "playwright-core";
 import { afterAll, beforeAll, expect, inject, it } from "vitest";
 import { Api } from "./support/api";
@@ -20,7 +21,7 @@ interface Answer {
   readonly by_oracle: readonly { readonly oracle: string; readonly a_only: number }[];
   readonly pairs: readonly {
     readonly fails: string;
-    readonly a: { readonly run: string };
+    readonly a: { readonly run: string; readonly status: string };
     readonly b: { readonly run: string };
   }[];
   readonly left_out: readonly { readonly scenario: string }[];
@@ -98,5 +99,50 @@ it("what counts as a failure is in the address, and a reload shows the same", as
   await page.reload();
   await drawn(page);
   expect(await page.locator(".standing").innerText()).toBe(sentence);
+  await context.close();
+});
+
+it("pairs are in the order of the difference of a metric, which the address keeps", async () => {
+  const { page, context, complaints } = await open(
+    browser,
+    `${url}/compare/batches?a=${a}&b=${b}&show=all`,
+  );
+  const header = page.getByRole("button", { name: /^B − A/ });
+  await header.click();
+  await header.click();
+  await expect.poll(() => words(page).get("sort")).toBe("-driving_score difference");
+  const at = await page
+    .getByRole("table", { name: "Pairs" })
+    .getByRole("columnheader")
+    .allInnerTexts();
+  const place = at.findIndex((title) => title.startsWith("B − A"));
+  const cells = await rows(page).evaluateAll(
+    (found, index) => found.map((row) => row.querySelectorAll("td")[index]?.textContent ?? ""),
+    place,
+  );
+  const numbers = cells.filter(Boolean).map((text) => Number(text.replace("−", "-")));
+  expect(numbers.length).toBeGreaterThan(1);
+  expect(numbers).toEqual(numbers.toSorted((one, other) => other - one));
+  expect(cells.slice(numbers.length)).toEqual(cells.slice(numbers.length).map(() => ""));
+  expect(complaints).toEqual([]);
+  await context.close();
+});
+
+it("the verdicts of a batch are a file for a spreadsheet, named after it", async () => {
+  const { page, context, complaints } = await open(browser, `${url}/batches/${a}`);
+  const name = await page.locator("main h1").innerText();
+  await page.getByRole("button", { name: "Tables" }).click();
+  const coming = page.waitForEvent("download");
+  await page.getByRole("link", { name: "verdicts.csv" }).click();
+  const download = await coming;
+  expect(download.suggestedFilename()).toBe(`${name.replaceAll(" ", "-")}-verdicts.csv`);
+  const [header = "", ...lines] = readFileSync(await download.path(), "utf8").split("\n");
+  expect(header.split(",")).toEqual(expect.arrayContaining(["run_id", "oracle", "outcome"]));
+  const { pairs } = await asked();
+  const judged = pairs.filter(({ a: { status } }) => status === "finished");
+  expect(judged.length).toBeGreaterThan(1);
+  const told = new Set(lines.map((line) => line.split(",")[0]));
+  expect(judged.filter((pair) => !told.has(pair.a.run)).map((pair) => pair.a.run)).toEqual([]);
+  expect(complaints).toEqual([]);
   await context.close();
 });

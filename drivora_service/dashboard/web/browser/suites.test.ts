@@ -40,6 +40,9 @@ it("a suite that CI ran says why its gate failed, and what changed since", async
   await page.keyboard.press("u");
   await page.getByRole("link", { name: made.suite }).click();
   await drawn(page);
+  await page.getByRole("button", { name: "ADS", exact: true }).click();
+  await page.locator(".menu-panel button.item").first().waitFor();
+  await page.keyboard.press("Escape");
   const last = history.runs[1];
   await page.locator(".decision", { hasText: last?.sentence ?? "none" }).waitFor();
   expect(await page.locator("main .head").innerText()).toContain("gate failed");
