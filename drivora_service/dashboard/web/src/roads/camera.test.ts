@@ -1,5 +1,14 @@
 import { describe, expect, it } from "vitest";
-import { cameraOf, cameraText, readCamera, scaleBar, toScreen, toWorld, zoomAt } from "./camera";
+import {
+  cameraOf,
+  cameraText,
+  readCamera,
+  scaleBar,
+  toScreen,
+  toWorld,
+  withSight,
+  zoomAt,
+} from "./camera";
 
 const SIZE = { width: 800, height: 400 };
 
@@ -29,6 +38,19 @@ describe("a camera", () => {
       scale: 6.4,
     });
     for (const wrong of ["", "1,2", "a,b,c", "1,2,0"]) expect(readCamera(wrong)).toBeUndefined();
+  });
+  it("is moved only as far as places come into sight", () => {
+    const camera = { x: 0, y: 0, scale: 4 };
+    expect(withSight(camera, SIZE, [[80, -30]])).toBe(camera);
+    expect(withSight(camera, SIZE, [[100, 0]])).toEqual({ x: 10, y: 0, scale: 4 });
+    expect(withSight(camera, SIZE, [[0, -60]])).toEqual({ x: 0, y: -20, scale: 4 });
+    // Places that do not fit together: the last one is seen.
+    expect(
+      withSight(camera, SIZE, [
+        [500, 0],
+        [0, 0],
+      ]).x,
+    ).toBe(90);
   });
   it("has a round scale bar no longer than 110 pixels", () => {
     expect(scaleBar(1)).toBe(100);

@@ -61,6 +61,26 @@ export function toScreen(camera: Camera, size: Size, x: number, y: number): [num
   ];
 }
 
+/**
+ * Returns the camera moved as little as shows all places, at the same scale, with a margin in
+ * pixels; of places too far apart the last is shown.
+ */
+export function withSight(
+  camera: Camera,
+  size: Size,
+  places: readonly (readonly [number, number])[],
+  margin = 40,
+): Camera {
+  const across = Math.max(size.width / 2 - margin, 0) / camera.scale;
+  const along = Math.max(size.height / 2 - margin, 0) / camera.scale;
+  let { x, y } = camera;
+  for (const [east, north] of places) {
+    x = Math.min(Math.max(x, east - across), east + across);
+    y = Math.min(Math.max(y, north - along), north + along);
+  }
+  return x === camera.x && y === camera.y ? camera : { ...camera, x, y };
+}
+
 /** Returns a camera as a word of an address: `120.5,88.2,6.4`. */
 export function cameraText(camera: Camera): string {
   return `${camera.x.toFixed(1)},${camera.y.toFixed(1)},${Number(camera.scale.toPrecision(4))}`;

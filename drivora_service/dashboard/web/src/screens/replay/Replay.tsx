@@ -17,6 +17,7 @@ import { Clock } from "./clock";
 import { EgoFacts } from "./EgoFacts";
 import { ExportButtons } from "./ExportButtons";
 import { lawCurves } from "./lawCurves";
+import { focusOf } from "./opening";
 import { Plots } from "./Plots";
 import { FOLLOW_SCALE, type MapHandle, ReplayMap } from "./ReplayMap";
 import type { Recording } from "./recording";
@@ -216,12 +217,14 @@ function Player({
           clock={clock}
           violations={timeline?.violations ?? NONE}
           state={state}
+          focus={focusOf(recording.actors, run.verdicts, state.ego)}
           told={told.data}
           perceived={state.perceived ? perception.data : undefined}
           measuring={measuring}
-          onCamera={(camera) => {
-            keepCamera(camera);
-            beside.current?.look(camera);
+          onCamera={(camera, byHand) => {
+            if (byHand) keepCamera(camera);
+            // Maps that follow an actor go their own ways.
+            if (byHand || !state.follow) beside.current?.look(camera);
           }}
           onFollow={follow}
         />
@@ -239,7 +242,8 @@ function Player({
             told={undefined}
             perceived={undefined}
             measuring={measuring}
-            onCamera={(camera) => {
+            onCamera={(camera, byHand) => {
+              if (!byHand) return;
               keepCamera(camera);
               map.current?.look(camera);
             }}

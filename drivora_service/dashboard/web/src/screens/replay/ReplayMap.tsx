@@ -8,7 +8,7 @@ import {
   useState,
 } from "react";
 import type { Schemas } from "../../api/client";
-import type { Camera } from "../../roads/camera";
+import { type Camera, withSight } from "../../roads/camera";
 import type { MapStage } from "../../roads/MapStage";
 import { type DrawnMap, RoadMap } from "../../roads/RoadMap";
 import { Ruler } from "../../roads/Ruler";
@@ -22,6 +22,8 @@ import type { Recording } from "./recording";
 const NEAR_PX = 10;
 /** Pixels a metre at least when an actor begins to be followed. */
 export const FOLLOW_SCALE = 7;
+/** Of the ego that is kept in sight, where it will be after these seconds as well. */
+const FORESIGHT_S = 2;
 
 /** What other parts of the screen may ask of the map. */
 export interface MapHandle {
@@ -47,6 +49,7 @@ export function ReplayMap({
   caption,
   violations,
   state,
+  focus = 0,
   perceived,
   told,
   measuring,
@@ -66,10 +69,12 @@ export function ReplayMap({
   readonly caption?: ReactNode;
   readonly violations: readonly Schemas["ViolationMark"][];
   readonly state: ReplayState;
+  /** Row of the ego that is kept in sight until the reader moves the map. */
+  readonly focus?: number;
   readonly perceived: PerceivedActors | undefined;
   readonly told: AgentTold | undefined;
   readonly measuring: boolean;
-  readonly onCamera: (camera: Camera) => void;
+  readonly onCamera: (camera: Camera, byHand: boolean) => void;
   readonly onFollow: (id: string) => void;
   readonly ref: Ref<MapHandle>;
 }) {
@@ -80,6 +85,10 @@ export function ReplayMap({
   handlers.current = { onCamera, onFollow };
   const follow = useRef(state.follow);
   follow.current = state.follow;
+  const sighted = useRef(focus);
+  sighted.current = focus;
+  // The camera of the address, and one that the reader moved, is never changed.
+  const chosen = useRef(state.camera !== undefined);
   const isMeasuring = useRef(measuring);
   isMeasuring.current = measuring;
 
@@ -132,7 +141,17 @@ export function ReplayMap({
       const row = recording.actors.find(({ id }) => id === follow.current)?.row;
       const place = row === undefined ? undefined : scene.placeOf(row, clock.time);
       if (place) stage.look({ ...stage.camera, x: place[0], y: place[1] });
-      else stage.draw();
+      else keepInSight();
+    };
+    const keepInSight = () => {
+      const { camera, size } = stage;
+      const places = [FORESIGHT_S, 0].flatMap((ahead) => {
+        const place = scene.placeOf(sighted.current, clock.time + ahead);
+        return place ? [place] : [];
+      });
+      const next = chosen.current ? camera : withSight(camera, size, places);
+      if (next === camera) stage.draw();
+      else stage.look(next);
     };
     const stop = clock.listen(moved);
     setShown({ ...map, scene, ruler });
@@ -202,22 +221,28 @@ export function ReplayMap({
     };
   }, [shown, over, trails]);
 
-  const fitted = useRef(state.camera !== undefined);
+  const fitted = useRef(false);
   const whole = loaded >= recording.steps;
+  const begun = loaded > 0;
   useEffect(() => {
-    if (!shown || fitted.current || followed !== undefined) return;
-    shown.stage.fit(shown.scene.extent(), false);
+    if (followed !== undefined) chosen.current = true;
+    if (!shown || !begun || chosen.current || fitted.current) return;
+    const { stage, scene } = shown;
+    stage.fit(scene.opening(stage.size, clock.time, sighted.current), false);
     if (whole) fitted.current = true;
-  }, [shown, whole, followed]);
+  }, [shown, begun, whole, followed, clock]);
 
   useImperativeHandle(
     ref,
     () => ({
       fit: () => {
         if (state.follow) handlers.current.onFollow("");
-        shown?.stage.fit(shown.scene.extent());
+        shown?.stage.fit(shown.scene.whole());
       },
-      look: (camera) => shown?.stage.look(camera),
+      look: (camera) => {
+        chosen.current = true;
+        shown?.stage.look(camera);
+      },
       stage: () => shown?.stage,
       zoom: (factor) => shown?.stage.zoom(factor),
     }),
@@ -231,9 +256,8 @@ export function ReplayMap({
       onMap={onMap}
       camera={state.camera}
       onCamera={(camera, byHand) => {
-        if (!byHand) return;
-        fitted.current = true;
-        handlers.current.onCamera(camera);
+        if (byHand) chosen.current = true;
+        handlers.current.onCamera(camera, byHand);
       }}
     >
       {caption && <div className="over top-right caption">{caption}</div>}

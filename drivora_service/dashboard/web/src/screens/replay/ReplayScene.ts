@@ -1,27 +1,22 @@
-import { Container, Graphics, Text } from "pixi.js";
+import { Container, Graphics } from "pixi.js";
 import type { Schemas } from "../../api/client";
-import { colourOfActor } from "../../roads/actorShapes";
-import { type Box, type Camera, type Size, toScreen } from "../../roads/camera";
+import type { Box, Camera, Size } from "../../roads/camera";
 import { dashes } from "../../roads/lines";
 import { patchLayer } from "../../roads/patchLayer";
 import type { DrawnMap } from "../../roads/RoadMap";
 import { trace } from "../../roads/roadLayer";
 import { ActorLayer, type Look } from "./actorLayer";
+import { MarkLayer } from "./MarkLayer";
+import { NameLayer } from "./NameLayer";
+import { openingBox, wholeBox } from "./opening";
 import { PerceptionLayer } from "./PerceptionLayer";
 import { PlanLayer } from "./PlanLayer";
 import type { PerceivedActors } from "./perception";
 import type { AgentTold } from "./plans";
 import type { Recording } from "./recording";
 import { TrailLayer } from "./trailLayer";
-import { toneOf } from "./verdictWords";
 
 const ROUTE_M = 0.28;
-const LABEL_AWAY_PX = 14;
-const MARK_PX = 9;
-const MARK_NEAR_S = 2;
-/** With more marks than this, those of other moments have no number. */
-const MOST_NUMBERED = 6;
-const LEAST_SIDE_M = 60;
 
 type Violation = Schemas["ViolationMark"];
 
@@ -38,17 +33,8 @@ export class ReplayScene {
   private readonly below = new Container();
   private readonly actors: ActorLayer;
   private readonly routes: Graphics;
-  private readonly labels = new Map<number, Text>();
-  private readonly overlay = new Container();
-  private readonly marks: {
-    readonly node: Container;
-    /** The number, and what joins it to the place. */
-    readonly numbered: Container;
-    readonly x: number;
-    readonly y: number;
-    readonly time: number;
-  }[] = [];
-  private readonly names = new Container();
+  private readonly marks: MarkLayer;
+  private readonly names: NameLayer;
   private trails: TrailLayer | undefined;
   private trailsOf = "";
   private perception: PerceptionLayer | undefined;
@@ -64,15 +50,17 @@ export class ReplayScene {
   constructor(
     private readonly map: DrawnMap,
     readonly recording: Recording,
-    private readonly look: Look = "whole",
+    look: Look = "whole",
   ) {
     this.routes = routesOf(recording, map.palette.egos);
     this.actors = new ActorLayer(recording, map.palette, look);
     // The run that is compared has the same road.
     if (look === "whole") this.below.addChild(patchLayer(recording.patches, map.palette));
     map.stage.world.addChild(this.below, this.routes, this.actors);
-    map.stage.screen.addChild(this.overlay, this.names);
-    for (const actor of recording.actors) if (actor.role === "ego") this.label(actor.row);
+    this.marks = new MarkLayer(map.palette);
+    this.names = new NameLayer(map.palette, look);
+    map.stage.screen.addChild(this.marks, this.names);
+    for (const actor of recording.actors) if (actor.role === "ego") this.names.add(actor);
   }
 
   set(options: SceneOptions): void {
@@ -80,7 +68,8 @@ export class ReplayScene {
     this.routes.visible = options.routes;
     this.actors.hidden.clear();
     for (const row of options.hidden) this.actors.hidden.add(row);
-    if (options.followed !== undefined) this.label(options.followed);
+    const followed = this.recording.actors[options.followed ?? -1];
+    if (followed) this.names.add(followed);
     this.refreshTrails();
   }
 
@@ -103,47 +92,7 @@ export class ReplayScene {
 
   /** Numbers violations on the map. */
   mark(violations: readonly Violation[]): void {
-    for (const { node } of this.marks) node.destroy({ children: true });
-    this.marks.length = 0;
-    const { palette } = this.map;
-    const taken = new Map<string, number>();
-    const colours = { bad: palette.violation, lost: palette.lost, quiet: palette.npc };
-    for (const violation of violations) {
-      const { number, location, first } = violation;
-      if (!location) continue;
-      const [x, y] = location as [number, number];
-      const colour = colours[toneOf(violation)];
-      const key = `${x.toFixed(0)} ${y.toFixed(0)}`;
-      const beside = taken.get(key) ?? 0;
-      taken.set(key, beside + 1);
-      const node = new Container();
-      const centre = 2.1 * MARK_PX * (beside + 1);
-      const cross = new Graphics()
-        .moveTo(-4, -4)
-        .lineTo(4, 4)
-        .moveTo(-4, 4)
-        .lineTo(4, -4)
-        .stroke({ width: 2, color: colour });
-      const numbered = new Container();
-      const badge = new Graphics()
-        .moveTo(0, 0)
-        .lineTo(centre, -2 * MARK_PX)
-        .stroke({ width: 1.2, color: colour })
-        .circle(centre, -2 * MARK_PX, MARK_PX)
-        .fill(colour)
-        .stroke({ width: 1.2, color: palette.casing });
-      const text = new Text({
-        text: String(number),
-        style: { fontFamily: "sans-serif", fontSize: 11, fontWeight: "600", fill: palette.casing },
-        resolution: 2,
-      });
-      text.anchor.set(0.5);
-      text.position.set(centre, -2 * MARK_PX);
-      numbered.addChild(badge, text);
-      node.addChild(cross, numbered);
-      this.overlay.addChild(node);
-      this.marks.push({ node, numbered, x, y, time: (first ?? 0) * this.recording.stepLength });
-    }
+    this.marks.set(violations, this.recording.stepLength);
   }
 
   /** Prepares a frame of a time. */
@@ -156,26 +105,9 @@ export class ReplayScene {
     this.plans?.show(step, this.options.hidden);
     if (this.options.trails > 0) this.refreshTrails();
     this.trails?.show(time, this.options.trails, camera.scale);
-    for (const [row, text] of this.labels) {
-      const place = this.placeOf(row, time);
-      text.visible = place !== undefined && !this.options.hidden.has(row);
-      if (!place || !text.visible) continue;
-      const [left, top] = toScreen(camera, size, place[0], place[1]);
-      const actor = recording.actors[row];
-      const half = 0.5 * Math.max(actor?.width ?? 0, 1) * camera.scale;
-      const away = Math.max(half, 4) + LABEL_AWAY_PX;
-      // Below the outline of a second run, above those of the first: they may be at one place.
-      text.position.set(left, this.look === "outline" ? top + away : top - away);
-    }
-    const few = this.marks.length <= MOST_NUMBERED;
-    for (const { node, numbered, x, y, time: moment } of this.marks) {
-      // Marks of other moments stay in the background.
-      const near = Math.abs(time - moment) < MARK_NEAR_S;
-      node.alpha = near ? 1 : 0.4;
-      numbered.visible = near || few;
-      const [left, top] = toScreen(camera, size, x, y);
-      node.position.set(left, top);
-    }
+    const boxes = this.actors.boxes(camera, size);
+    const named = this.names.show(boxes);
+    this.marks.show(time, camera, size, [...boxes.values(), ...named]);
   }
 
   /** Returns where an actor is at a time, undefined while it is absent. */
@@ -199,55 +131,20 @@ export class ReplayScene {
     return this.actors.at(x, y, this.time, within)?.row;
   }
 
-  /** Returns the box of the egos' ways and destinations. */
-  extent(): Box {
-    const { recording } = this;
-    const count = recording.actors.length;
-    let [west, south, east, north] = [Infinity, Infinity, -Infinity, -Infinity];
-    const hold = (x: number, y: number) => {
-      if (Number.isNaN(x)) return;
-      west = Math.min(west, x);
-      south = Math.min(south, y);
-      east = Math.max(east, x);
-      north = Math.max(north, y);
-    };
-    for (let step = 0; step < recording.loaded; step++)
-      for (let ego = 0; ego < recording.egos; ego++) {
-        const cell = step * count + ego;
-        hold(recording.x[cell] as number, recording.y[cell] as number);
-      }
-    if (west > east) return [0, 0, LEAST_SIDE_M, LEAST_SIDE_M];
-    const x = (west + east) / 2;
-    const y = (south + north) / 2;
-    const across = Math.max(east - west + 24, LEAST_SIDE_M) / 2;
-    const along = Math.max(north - south + 24, LEAST_SIDE_M) / 2;
-    return [x - across, y - along, x + across, y + along];
+  /** Returns the box of the ways of all egos. */
+  whole(): Box {
+    return wholeBox(this.recording);
+  }
+
+  /** Returns the box to open with at a moment; `focus` is the row of the ego that matters most. */
+  opening(size: Size, moment: number, focus: number): Box {
+    return openingBox(this.recording, size, moment, focus);
   }
 
   destroy(): void {
-    for (const part of [this.below, this.routes, this.actors, this.overlay, this.names])
+    for (const part of [this.below, this.routes, this.actors, this.marks, this.names])
       part.destroy({ children: true });
     this.perception?.destroy({ children: true });
-  }
-
-  private label(row: number): void {
-    const actor = this.recording.actors[row];
-    if (!actor || this.labels.has(row)) return;
-    const { palette } = this.map;
-    const text = new Text({
-      text: this.look === "outline" ? `${actor.id} 2nd` : actor.id,
-      style: {
-        fontFamily: "sans-serif",
-        fontSize: 12,
-        fontWeight: "600",
-        fill: colourOfActor(actor, palette),
-        stroke: { color: palette.casing, width: 3, join: "round" },
-      },
-      resolution: 2,
-    });
-    text.anchor.set(0.5, 0.5);
-    this.labels.set(row, text);
-    this.names.addChild(text);
   }
 
   /** Makes the trails when they are wanted, and anew when steps or hidden actors have changed. */

@@ -1,10 +1,12 @@
 import { Container, Graphics, GraphicsContext } from "pixi.js";
 import { colourOfActor, wholeShape } from "../../roads/actorShapes";
+import { type Camera, type Size, toScreen } from "../../roads/camera";
 import type { Palette } from "../../roads/palette";
+import type { PixelBox } from "../../roads/signPlaces";
 import type { Actor, Recording } from "./recording";
 
 /** Actors smaller than this on the screen are drawn larger, in pixels across. */
-const SMALLEST_PX = 5;
+const SMALLEST_PX = 7;
 const SMALLEST_WALKER_PX = 9;
 const BRAKING = -0.5;
 const MISSED_ALPHA = 0.3;
@@ -99,6 +101,22 @@ export class ActorLayer extends Container {
         for (const wheel of wheels.children) wheel.rotation = steer || 0;
       }
     }
+  }
+
+  /** Returns the boxes around the actors on the screen as they were shown last, by row. */
+  boxes(camera: Camera, size: Size): ReadonlyMap<number, PixelBox> {
+    const boxes = new Map<number, PixelBox>();
+    for (const { actor, node } of this.drawn) {
+      if (!node.visible) continue;
+      const px = camera.scale * node.scale.x;
+      const cos = Math.abs(Math.cos(node.rotation));
+      const sin = Math.abs(Math.sin(node.rotation));
+      const width = (cos * actor.length + sin * actor.width) * px;
+      const height = (sin * actor.length + cos * actor.width) * px;
+      const [left, top] = toScreen(camera, size, node.x, node.y);
+      boxes.set(actor.row, { left: left - width / 2, top: top - height / 2, width, height });
+    }
+    return boxes;
   }
 
   /** Returns the actor whose box holds a place at a time, or is nearest within some metres. */
