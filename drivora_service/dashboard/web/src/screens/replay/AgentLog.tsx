@@ -20,7 +20,10 @@ export function AgentLog({
   const lines = recording.log.filter((line) => line.ego === ego && line.step <= step).slice(-MOST);
   const count = lines.length;
   // biome-ignore lint/correctness/useExhaustiveDependencies: each new line comes into sight
-  useEffect(() => end.current?.scrollTo({ top: end.current.scrollHeight }), [count]);
+  useEffect(() => {
+    // In braces: newer browsers return a promise, which React would call as what undoes the effect.
+    end.current?.scrollTo({ top: end.current.scrollHeight });
+  }, [count]);
   return (
     <section className="panel log" aria-label="Log of the agent">
       <header>
