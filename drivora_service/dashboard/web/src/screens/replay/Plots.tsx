@@ -5,83 +5,18 @@ import type { Difference } from "./difference";
 import { LawPlots } from "./LawPlots";
 import type { LawCurve } from "./lawCurves";
 import { type Line, Plot } from "./Plot";
+import { absentWords, hasValues, type PlotLine, plotGroups } from "./plotGroups";
 import type { Range } from "./timeScale";
 import { useStep } from "./useMoment";
 import type { Series } from "./useSeries";
 import "./plots.css";
-
-interface Shown extends Omit<Line, "values"> {
-  readonly column: string;
-  readonly digits: number;
-  readonly negative?: boolean;
-}
-
-interface Group {
-  readonly title: string;
-  readonly lines: readonly Shown[];
-  readonly left?: readonly [number, number];
-  readonly right?: readonly [number, number];
-}
-
-const TTC_MOST = 10;
-
-function groupsOf(ego: number): readonly Group[] {
-  const own = `ego-${ego % 6}`;
-  return [
-    {
-      title: "Speed (m/s)",
-      lines: [
-        { name: "speed", column: "speed", colour: own, digits: 2 },
-        { name: "limit", column: "speed_limit", colour: "ink-3", dash: [5, 4], digits: 2 },
-      ],
-    },
-    {
-      title: "Acceleration (m/s²)",
-      lines: [
-        { name: "along", column: "acceleration", colour: own, digits: 2 },
-        {
-          name: "asked",
-          column: "commanded_acceleration",
-          colour: "ink",
-          dash: [2, 2],
-          digits: 2,
-        },
-        { name: "grip", column: "available_grip", colour: "ink-3", dash: [5, 4], digits: 1 },
-        {
-          name: "−grip",
-          column: "available_grip",
-          colour: "ink-3",
-          dash: [5, 4],
-          digits: 1,
-          negative: true,
-        },
-      ],
-    },
-    {
-      title: "TTC (s), gap (m)",
-      left: [0, TTC_MOST],
-      lines: [
-        { name: "TTC", column: "time_to_collision", colour: "violation", digits: 2 },
-        { name: "gap", column: "gap", colour: own, dash: [5, 4], right: true, digits: 1 },
-      ],
-    },
-    {
-      title: "Controls (0–1, rad)",
-      left: [0, 1],
-      lines: [
-        { name: "throttle", column: "throttle", colour: "good", digits: 2 },
-        { name: "brake", column: "brake", colour: "violation", digits: 2 },
-        { name: "steer", column: "steer", colour: own, dash: [5, 4], right: true, digits: 3 },
-      ],
-    },
-  ];
-}
 
 /** The ego's values over time; the numbers above are those at the cursor. */
 export function Plots({
   series,
   clock,
   ego,
+  agent,
   range,
   onRange,
   difference,
@@ -90,58 +25,67 @@ export function Plots({
   readonly series: Series;
   readonly clock: Clock;
   readonly ego: number;
+  /** Name of the agent that drives the ego. */
+  readonly agent: string;
   readonly range: Range;
   readonly onRange: (range: Range) => void;
   readonly difference: Difference | undefined;
   readonly laws: readonly LawCurve[];
 }) {
   const step = useStep(clock);
-  const groups = useMemo(
-    () =>
-      groupsOf(ego).map((group) => ({
+  const { groups, absent } = useMemo(() => {
+    const all = plotGroups(ego, agent);
+    const isDrawn = (group: (typeof all)[number]) =>
+      hasValues(group, (name) => series.column(name));
+    return {
+      groups: all.filter(isDrawn).map((group) => ({
         ...group,
         drawn: group.lines.map((line): Line => {
           const values = series.column(line.column);
           return { ...line, values: line.negative ? values.map((value) => -value) : values };
         }),
       })),
-    [series, ego],
-  );
+      absent: absentWords(all.filter((group) => !isDrawn(group))),
+    };
+  }, [series, ego, agent]);
   return (
-    <div className="plots whole-width">
-      {groups.map(({ title, lines, drawn, left, right }) => (
-        <section key={title} className="panel plot-panel">
-          <header>
-            <h3>{title}</h3>
-            {lines
-              .filter(({ negative }) => !negative)
-              .map((line) => (
-                <Value key={line.name} line={line} series={series} step={step} />
-              ))}
-          </header>
-          <Plot
-            label={title}
-            time={series.time}
-            lines={drawn}
+    <>
+      <div className="plots whole-width">
+        {groups.map(({ title, lines, drawn, left, right }) => (
+          <section key={title} className="panel plot-panel">
+            <header>
+              <h3>{title}</h3>
+              {lines
+                .filter(({ negative }) => !negative)
+                .map((line) => (
+                  <Value key={line.name} line={line} series={series} step={step} />
+                ))}
+            </header>
+            <Plot
+              label={title}
+              time={series.time}
+              lines={drawn}
+              clock={clock}
+              range={range}
+              onRange={onRange}
+              {...(left ? { left } : {})}
+              {...(right ? { right } : {})}
+            />
+          </section>
+        ))}
+        <LawPlots curves={laws} clock={clock} range={range} onRange={onRange} />
+        {difference && (
+          <DifferencePlot
+            difference={difference}
             clock={clock}
+            ego={ego}
             range={range}
             onRange={onRange}
-            {...(left ? { left } : {})}
-            {...(right ? { right } : {})}
           />
-        </section>
-      ))}
-      <LawPlots curves={laws} clock={clock} range={range} onRange={onRange} />
-      {difference && (
-        <DifferencePlot
-          difference={difference}
-          clock={clock}
-          ego={ego}
-          range={range}
-          onRange={onRange}
-        />
-      )}
-    </div>
+        )}
+      </div>
+      {absent && <p className="quiet absent whole-width">{absent}</p>}
+    </>
   );
 }
 
@@ -205,7 +149,7 @@ function Value({
   series,
   step,
 }: {
-  readonly line: Shown;
+  readonly line: PlotLine;
   readonly series: Series;
   readonly step: number;
 }) {

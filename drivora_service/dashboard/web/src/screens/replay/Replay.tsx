@@ -374,6 +374,7 @@ function Player({
           series={series.data}
           clock={clock}
           ego={ego}
+          agent={run.agents?.[egoId]?.name ?? run.agent}
           range={range}
           onRange={setRange}
           difference={second.compared?.difference}
