@@ -1,7 +1,7 @@
 import type { Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { fixed } from "../../components/numbers";
-import { alike, blameWords, gravestFirst, oracleName, toneOf } from "./verdictWords";
+import { alike, blameWords, gravestFirst, observedWords, oracleName, toneOf } from "./verdictWords";
 
 type Verdict = Schemas["Verdict"];
 
@@ -28,7 +28,14 @@ export function VerdictLine({
       {first ? (
         <Violation verdict={first} until={untilOf(first)} onMoment={onMoment} whole />
       ) : verdicts.length > unclear.length ? (
-        <Mark sign="✓" tone="good" text="No oracle was violated" />
+        <span>
+          <Mark sign="✓" tone="good" text="No oracle was violated" />
+          {observed.length > 0 && (
+            <span className="quiet" title="What was observed makes no run fail by itself">
+              ; {observedWords(observed.length)}:
+            </span>
+          )}
+        </span>
       ) : (
         <Mark sign="–" tone="lost" text="No oracle has judged the run" />
       )}

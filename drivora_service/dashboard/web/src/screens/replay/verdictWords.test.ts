@@ -1,5 +1,13 @@
 import { describe, expect, it } from "vitest";
-import { alike, blameWords, gravestFirst, oracleName, toneOf, untilWords } from "./verdictWords";
+import {
+  alike,
+  blameWords,
+  gravestFirst,
+  observedWords,
+  oracleName,
+  toneOf,
+  untilWords,
+} from "./verdictWords";
 
 describe("words of a violation", () => {
   it.each([
@@ -25,6 +33,9 @@ describe("words of a violation", () => {
       "Collision: avoidable until 7.40 s",
     );
     expect(untilWords({ ...collision, avoidable: "no" }, 5.65)).toContain("had to act by 5.65 s");
+  });
+  it("count observations", () => {
+    expect([1, 3].map(observedWords)).toEqual(["1 observation", "3 observations"]);
   });
   it("name oracles", () => {
     expect(oracleName("red_light")).toBe("Red light");

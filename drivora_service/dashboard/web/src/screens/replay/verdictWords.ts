@@ -63,6 +63,11 @@ export function gravestFirst(verdicts: readonly Verdict[]): readonly Verdict[] {
     );
 }
 
+/** Returns how many observations there are, which by themselves make no run fail. */
+export function observedWords(count: number): string {
+  return count === 1 ? "1 observation" : `${count} observations`;
+}
+
 /** Violations of one oracle by one ego or several. */
 export interface Alike {
   readonly first: Verdict;
