@@ -12,6 +12,7 @@ import { SearchFrom } from "../compose/SearchFrom";
 import { ACCOUNTABILITY, kindText, plain } from "../failures/words";
 import { replayUpTo } from "../replay/address";
 import { replayCommand } from "../replay/againCommand";
+import { RunAgain } from "../replay/RunAgain";
 import { type Change, changesBetween } from "./changes";
 import { type Evaluation, evaluationQuery, useEvaluation } from "./evaluation";
 import { Measured } from "./Measured";
@@ -106,9 +107,10 @@ function Verdicts({
               params={{ runId: run_id }}
               search={replayUpTo(failures[0]?.time)}
             >
-              Replay
+              {evaluation.observations_url ? "Replay" : "Its run"}
             </Link>
           )}
+          {evaluation.scenario_url && !evaluation.observations_url && <RunAgain id={run_id} />}
           {evaluation.scenario_url && (
             <Link
               className="button"

@@ -13,6 +13,7 @@ import { lookOfRun } from "../runs/status";
 import { againCommand } from "./againCommand";
 import { Minimised, MinimizeRun } from "./MinimizeRun";
 import { Replay } from "./Replay";
+import { RunAgain } from "./RunAgain";
 import { runQuery } from "./runQuery";
 import { blameWords, gravestFirst, oracleName, toneOf } from "./verdictWords";
 import "./replay.css";
@@ -129,7 +130,11 @@ function NoRecording({ run }: { readonly run: Schemas["Run"] }) {
           title="The run was not recorded, or its recording was pruned"
           command={againCommand(run, window.location.origin)}
         >
-          <p>Its verdicts are kept. The command runs it again and compares both.</p>
+          <p>
+            Its verdicts are kept. Run again, it is recorded and can be seen; the command compares
+            both runs as well.
+          </p>
+          <RunAgain id={run.id} isMain />
         </Empty>
       </>
     );
@@ -140,7 +145,8 @@ function NoRecording({ run }: { readonly run: Schemas["Run"] }) {
     >
       {run.cause && <p>{run.cause.replaceAll("_", " ")}</p>}
       {run.error && <p>{run.error.message}</p>}
-      <p>A run like this neither passes nor fails. The command runs it again.</p>
+      <p>A run like this neither passes nor fails. The command runs it again, too.</p>
+      <RunAgain id={run.id} isMain />
     </Empty>
   );
 }
