@@ -3,8 +3,7 @@ import { Link, useParams, useSearch } from "@tanstack/react-router";
 import { firstOf } from "../../address";
 import { api, body, type Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
-import { count, duration } from "../../components/numbers";
-import { Progress } from "../../components/Progress";
+import { count } from "../../components/numbers";
 import { Loading, Refused } from "../../components/States";
 import { Tabs } from "../../components/Tabs";
 import { useTitle } from "../../shell/useTitle";
@@ -14,6 +13,7 @@ import { AgainWith } from "../compose/SearchFrom";
 import { Ancestry } from "./Ancestry";
 import { Coverage } from "./Coverage";
 import { Evaluations } from "./Evaluations";
+import { Facts } from "./Facts";
 import { Found } from "./Found";
 import { Kinds } from "./Kinds";
 import { Newest } from "./Newest";
@@ -103,31 +103,6 @@ function Tables({ id }: { readonly id: string }) {
         </a>
       ))}
     </span>
-  );
-}
-
-function Facts({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
-  const { tester, agent, town, study_id, cell, simulations, budget, rate, left_s, state } =
-    campaign;
-  return (
-    <p className="facts">
-      <span>{cell?.method ?? tester}</span>
-      <span>{cell?.agent ?? agent}</span>
-      <span>{cell?.scenario ?? town}</span>
-      {study_id && (
-        <Link to="/studies/$id" params={{ id: study_id }} search={{}}>
-          its study
-        </Link>
-      )}
-      <Progress done={simulations} of={budget} />
-      {rate !== null && <span>{rate.toFixed(1)} simulations a second</span>}
-      {state === "running" &&
-        (simulations >= budget ? (
-          <span>runs the failures a second time</span>
-        ) : (
-          left_s !== null && <span>{duration(left_s)} left</span>
-        ))}
-    </p>
   );
 }
 

@@ -7,13 +7,14 @@ import { type Discoveries, useDiscoveries } from "../campaigns/discoveries";
 import { plain } from "../failures/words";
 import { useBands } from "./bands";
 
-const POINTS = 400;
+/** Points of the curves of failures. */
+export const CURVE_POINTS = 400;
 const SHOWN_ORACLES = 4;
 
 /** Failures against simulations, with the repetitions of Random in the same study behind them. */
 export function Found({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
-  const found = useDiscoveries(campaign.id, POINTS, 1);
-  const bands = useBands(campaign, POINTS);
+  const found = useDiscoveries(campaign.id, CURVE_POINTS, 1);
+  const bands = useBands(campaign, CURVE_POINTS);
   if (found.isError) return <Refused error={found.error} />;
   const numbers = found.data ? numbersOf(found.data) : { columns: [], rows: [] };
   const random = bands.data?.bands[0];

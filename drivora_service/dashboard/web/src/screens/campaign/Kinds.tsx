@@ -8,11 +8,15 @@ import { count, fixed } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
 import { OracleHelp } from "../../help/OracleHelp";
 import { useList } from "../../lists/useList";
+import { useDiscoveries } from "../campaigns/discoveries";
 import { ACCOUNTABILITIES, kindText, plain, wordsOfKind } from "../failures/words";
 import { ACCOUNTABILITY_WORDS } from "../runs/filters";
 
 type Kind = Schemas["FailureKind"];
 type Failure = Schemas["Failure"];
+
+/** As many as the service counts at once. */
+const MOST_KINDS = 100;
 
 const CONFIRMATIONS = ["open", "confirmed", "flaky"] as const;
 const FILTERS = [
@@ -38,6 +42,8 @@ const FILTERS = [
 export function Kinds({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
   const search = useSearch({ from: "/campaigns/$id" });
   const chosen = firstOf(search, "kind");
+  const { data } = useDiscoveries(campaign.id, 2, MOST_KINDS);
+  const firsts = new Map(data?.kinds.map((kind) => [kind.name, kind]));
   if (campaign.kinds.length === 0)
     return (
       <Empty title="No failure so far">
@@ -72,15 +78,24 @@ export function Kinds({ campaign }: { readonly campaign: Schemas["Campaign"] }) 
     numeric("groups", "Groups", ({ groups }) => groups),
     {
       id: "first",
-      title: "First evaluation",
-      width: "112px",
+      title: "First",
+      width: "92px",
       numeric: true,
-      hint: "Number of the first evaluation with it, from 0",
-      cell: ({ first }) => (
-        <Link to="." search={{ tab: "ancestry", number: String(first) }} resetScroll={false}>
-          {first}
-        </Link>
-      ),
+      hint: "Simulations up to the first, itself included",
+      cell: ({ kind, first }) => {
+        const found = firsts.get(kind);
+        const evaluation = found?.first_evaluation ?? first;
+        return (
+          <Link
+            to="."
+            search={{ tab: "ancestry", number: String(evaluation) }}
+            title={`Evaluation ${evaluation}; evaluations are numbered from 0`}
+            resetScroll={false}
+          >
+            {found ? count(found.first) : `evaluation ${evaluation}`}
+          </Link>
+        );
+      },
     },
   ];
   return (
