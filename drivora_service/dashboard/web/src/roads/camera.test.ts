@@ -43,7 +43,8 @@ describe("a camera", () => {
     const camera = { x: 0, y: 0, scale: 4 };
     expect(withSight(camera, SIZE, [[80, -30]])).toBe(camera);
     expect(withSight(camera, SIZE, [[100, 0]])).toEqual({ x: 10, y: 0, scale: 4 });
-    expect(withSight(camera, SIZE, [[0, -60]])).toEqual({ x: 0, y: -20, scale: 4 });
+    expect(withSight(camera, SIZE, [[0, -45]])).toEqual({ x: 0, y: -5, scale: 4 });
+    expect(withSight(camera, SIZE, [[300, -60]])).toEqual({ x: 300, y: -60, scale: 4 });
     // Places that do not fit together: the last one is seen.
     expect(
       withSight(camera, SIZE, [

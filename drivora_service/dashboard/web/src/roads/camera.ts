@@ -63,7 +63,8 @@ export function toScreen(camera: Camera, size: Size, x: number, y: number): [num
 
 /**
  * Returns the camera moved as little as shows all places, at the same scale, with a margin in
- * pixels; of places too far apart the last is shown.
+ * pixels; of places too far apart the last is shown, and one that is out of the picture comes to its
+ * middle.
  */
 export function withSight(
   camera: Camera,
@@ -74,11 +75,18 @@ export function withSight(
   const across = Math.max(size.width / 2 - margin, 0) / camera.scale;
   const along = Math.max(size.height / 2 - margin, 0) / camera.scale;
   let { x, y } = camera;
+  const last = places.at(-1);
+  if (last && !holds(camera, size, last)) [x, y] = last;
   for (const [east, north] of places) {
     x = Math.min(Math.max(x, east - across), east + across);
     y = Math.min(Math.max(y, north - along), north + along);
   }
   return x === camera.x && y === camera.y ? camera : { ...camera, x, y };
+}
+
+function holds(camera: Camera, size: Size, [x, y]: readonly [number, number]): boolean {
+  const [left, top] = toScreen(camera, size, x, y);
+  return left >= 0 && left <= size.width && top >= 0 && top <= size.height;
 }
 
 /** Returns a camera as a word of an address: `120.5,88.2,6.4`. */

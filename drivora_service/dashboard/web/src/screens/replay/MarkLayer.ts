@@ -45,6 +45,7 @@ interface Mark {
 /** Violations where they happened, with their numbers beside the actors. */
 export class MarkLayer extends Container {
   private readonly marks: Mark[] = [];
+  private scaled = 0;
 
   constructor(private readonly palette: Palette) {
     super();
@@ -94,6 +95,8 @@ export class MarkLayer extends Container {
   show(time: number, camera: Camera, size: Size, taken: readonly PixelBox[]): void {
     const few = this.marks.length <= MOST_NUMBERED;
     const inTheWay = [...taken];
+    const isScaled = camera.scale !== this.scaled;
+    this.scaled = camera.scale;
     for (const mark of this.marks) {
       // Marks of other moments stay in the background.
       const near = Math.abs(time - mark.time) < NEAR_S;
@@ -103,7 +106,7 @@ export class MarkLayer extends Container {
       mark.node.position.set(left, top);
       if (!mark.numbered.visible) continue;
       const places = AWAY.map(([right, down]) => around(left + right, top + down));
-      const away = freest(places, inTheWay, mark.away);
+      const away = freest(places, inTheWay, isScaled ? -1 : mark.away);
       if (away !== mark.away) lead(mark, away);
       const place = places[away];
       if (place) inTheWay.push(place);

@@ -17,6 +17,7 @@ interface Name {
 /** The names of actors beside them. */
 export class NameLayer extends Container {
   private readonly names = new Map<number, Name>();
+  private scaled = 0;
 
   constructor(
     private readonly palette: Palette,
@@ -45,8 +46,11 @@ export class NameLayer extends Container {
     this.addChild(text);
   }
 
-  /** Puts the names beside the boxes of their actors, and returns where they are. */
-  show(boxes: ReadonlyMap<number, PixelBox>): readonly PixelBox[] {
+  /** Puts the names beside the boxes of their actors at a scale, and returns where they are. */
+  show(boxes: ReadonlyMap<number, PixelBox>, scale: number): readonly PixelBox[] {
+    // Another scale is another picture, in which the first side may be free again.
+    if (scale !== this.scaled) for (const name of this.names.values()) name.side = 0;
+    this.scaled = scale;
     const taken = [...boxes.values()];
     const shown: PixelBox[] = [];
     for (const [row, name] of this.names) {

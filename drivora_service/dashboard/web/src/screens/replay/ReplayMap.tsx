@@ -18,6 +18,7 @@ import type { PerceivedActors } from "./perception";
 import type { AgentTold } from "./plans";
 import { ReplayScene } from "./ReplayScene";
 import type { Recording } from "./recording";
+import { egoInSight, egoOfMark } from "./sight";
 
 const NEAR_PX = 10;
 /** Pixels a metre at least when an actor begins to be followed. */
@@ -85,8 +86,9 @@ export function ReplayMap({
   handlers.current = { onCamera, onFollow };
   const follow = useRef(state.follow);
   follow.current = state.follow;
-  const sighted = useRef(focus);
-  sighted.current = focus;
+  const sight = useRef({ focus, sighted: focus, violations });
+  if (sight.current.focus !== focus) sight.current = { focus, sighted: focus, violations };
+  sight.current.violations = violations;
   // The camera of the address, and one that the reader moved, is never changed.
   const chosen = useRef(state.camera !== undefined);
   const isMeasuring = useRef(measuring);
@@ -144,13 +146,18 @@ export function ReplayMap({
       else keepInSight();
     };
     const keepInSight = () => {
-      const { camera, size } = stage;
+      if (chosen.current) return stage.draw();
+      const now = sight.current;
+      // A reader who goes to a violation sees its ego; one who watches another is not drawn away.
+      if (!clock.playing)
+        now.sighted = egoOfMark(now.violations, recording.actors, clock.step) ?? now.sighted;
+      const row = egoInSight(recording, now.sighted, clock.step);
       const places = [FORESIGHT_S, 0].flatMap((ahead) => {
-        const place = scene.placeOf(sighted.current, clock.time + ahead);
+        const place = scene.placeOf(row, clock.time + ahead);
         return place ? [place] : [];
       });
-      const next = chosen.current ? camera : withSight(camera, size, places);
-      if (next === camera) stage.draw();
+      const next = withSight(stage.camera, stage.size, places);
+      if (next === stage.camera) stage.draw();
       else stage.look(next);
     };
     const stop = clock.listen(moved);
@@ -228,7 +235,7 @@ export function ReplayMap({
     if (followed !== undefined) chosen.current = true;
     if (!shown || !begun || chosen.current || fitted.current) return;
     const { stage, scene } = shown;
-    stage.fit(scene.opening(stage.size, clock.time, sighted.current), false);
+    stage.fit(scene.opening(stage.size, clock.time, sight.current.sighted), false);
     if (whole) fitted.current = true;
   }, [shown, begun, whole, followed, clock]);
 

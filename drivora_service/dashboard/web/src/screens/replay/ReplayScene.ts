@@ -106,7 +106,7 @@ export class ReplayScene {
     if (this.options.trails > 0) this.refreshTrails();
     this.trails?.show(time, this.options.trails, camera.scale);
     const boxes = this.actors.boxes(camera, size);
-    const named = this.names.show(boxes);
+    const named = this.names.show(boxes, camera.scale);
     this.marks.show(time, camera, size, [...boxes.values(), ...named]);
   }
 

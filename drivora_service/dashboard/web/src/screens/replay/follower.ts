@@ -4,6 +4,7 @@ import type { Clock } from "./clock";
 export interface Moment {
   readonly time: number;
   readonly step: number;
+  readonly playing: boolean;
   readonly listen: (listener: () => void) => () => void;
 }
 
@@ -25,6 +26,10 @@ export class Follower implements Moment {
 
   get step(): number {
     return Math.floor(this.time / this.stepLength + 1e-6);
+  }
+
+  get playing(): boolean {
+    return this.clock.playing;
   }
 
   listen = (listener: () => void): (() => void) => this.clock.listen(listener);
