@@ -146,7 +146,7 @@ class BestScore(Shape):
     """The least value of an objective so far.
 
     Attributes:
-        evaluation: Number of the first evaluation with it.
+        evaluation: Number of the first evaluation with it, from 0.
     """
 
     value: float
@@ -238,7 +238,7 @@ class SeedFindings(Shape):
         at_fault: Candidates with a failure for which an ego is known to be responsible.
         avoidable: Candidates with a failure that a careful and competent driver avoids.
         kinds: Kinds of failures.
-        first_failure: Number of the first evaluation with a failure; null without one.
+        first_failure: Number of the first evaluation with a failure, from 0; null without one.
         first_avoidable: Number of the first one with a failure that a careful and competent driver
             avoids; null without one.
     """
@@ -366,7 +366,7 @@ class FailureKind(Shape):
         avoidable: Those at an ego's fault that could be avoided.
         confirmed: Those that an identical run confirmed.
         flaky: Those that it did not.
-        first: Number of the first evaluation with it.
+        first: Number of the first evaluation with it, from 0.
         groups: Groups of similar ones; null until they are grouped.
     """
 

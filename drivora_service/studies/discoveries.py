@@ -33,7 +33,7 @@ class DiscoveryCurve(Shape):
     Attributes:
         name: Name of the oracle, or the kind.
         first: Simulations up to the first of them, itself included.
-        first_evaluation: Number of its evaluation.
+        first_evaluation: Number of its evaluation, from 0.
         avoidable: For each point of `at`, simulations so far with one that is the fault of an ego
             and avoidable.
         others: For each point of `at`, simulations so far with others only.

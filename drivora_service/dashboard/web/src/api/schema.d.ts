@@ -2063,7 +2063,7 @@ export interface components {
         BestScore: {
             /**
              * Evaluation
-             * @description Number of the first evaluation with it.
+             * @description Number of the first evaluation with it, from 0.
              */
             evaluation: number;
             /** Value */
@@ -3172,7 +3172,7 @@ export interface components {
             first: number;
             /**
              * First Evaluation
-             * @description Number of its evaluation.
+             * @description Number of its evaluation, from 0.
              */
             first_evaluation: number;
             /**
@@ -3900,7 +3900,7 @@ export interface components {
             failures: number;
             /**
              * First
-             * @description Number of the first evaluation with it.
+             * @description Number of the first evaluation with it, from 0.
              */
             first: number;
             /**
@@ -6689,7 +6689,7 @@ export interface components {
             first_avoidable: number | null;
             /**
              * First Failure
-             * @description Number of the first evaluation with a failure; null without one.
+             * @description Number of the first evaluation with a failure, from 0; null without one.
              */
             first_failure: number | null;
             /**
