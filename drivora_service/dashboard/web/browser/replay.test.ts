@@ -1,11 +1,13 @@
 import { readFileSync } from "node:fs";
 import type { Browser, Page } from "playwright-core";
 import { afterAll, beforeAll, expect, inject, it } from "vitest";
+import { Api } from "./support/api";
 import { startBrowser } from "./support/browser";
 import { open } from "./support/page";
 
 const url = inject("url");
 const made = inject("made");
+const api = new Api(url);
 let browser: Browser;
 
 beforeAll(async () => {
@@ -62,6 +64,103 @@ it("a stretch is saved as a GIF while the page answers, and can be given up", as
   expect(decoded.size).toMatch(/^720 x /);
   await save.waitFor();
   expect(await stepOf(page)).toBe(0);
+  expect(complaints).toEqual([]);
+  await context.close();
+});
+
+/** Returns the metres of the scale bar of the map: fewer, the nearer. */
+async function scaleBar(page: Page): Promise<number> {
+  return Number.parseFloat(await page.locator(".scale-bar").first().innerText());
+}
+
+/** Returns the first run of a batch that is as wanted. */
+async function runOf(batch: string, wanted: (run: Told) => boolean): Promise<Told> {
+  const { items } = await api.get<{ items: Told[] }>(`/runs?batch=${batch}&limit=100`);
+  const found = items.find(wanted);
+  if (!found) throw new Error(`no run of batch ${batch} is as wanted`);
+  return found;
+}
+
+interface Told {
+  readonly id: string;
+  readonly label: string;
+  readonly town: string;
+  readonly sim_time_s: number;
+  readonly violations: number;
+  readonly observations: number;
+  readonly simulation_sha256?: string;
+}
+
+it("a long replay opens where its ego is, goes with it, and shows the whole run by a key", async () => {
+  // Of the examples the one whose egos drive through a whole town.
+  const run = await runOf(made.batches[1] ?? "", ({ sim_time_s }) => sim_time_s > 90);
+  const { page, context, complaints } = await open(browser, `${url}/runs/${run.id}`);
+  await expect.poll(() => scaleBar(page), { timeout: 30_000 }).toBeLessThanOrEqual(20);
+  const near = await scaleBar(page);
+  expect(page.url()).not.toContain("camera=");
+  await page.keyboard.press("End");
+  expect(await scaleBar(page)).toBe(near);
+  expect(page.url()).not.toContain("camera=");
+  await page.keyboard.press("f");
+  await expect.poll(() => scaleBar(page)).toBeGreaterThanOrEqual(50);
+  await expect.poll(() => page.url()).toContain("camera=");
+  // The camera of an address is shown as it is.
+  await page.goto(`${url}/runs/${run.id}?camera=0,0,2`);
+  await page.locator(".controls .time").waitFor();
+  await expect.poll(() => scaleBar(page)).toBe(50);
+  await page.keyboard.press("End");
+  expect(await scaleBar(page)).toBe(50);
+  expect(new URL(page.url()).searchParams.get("camera")).toBe("0,0,2");
+  expect(complaints).toEqual([]);
+  await context.close();
+});
+
+it("plots have the same height, and one without values is told instead of drawn", async () => {
+  const { page, context } = await open(browser, `${url}/runs/${made.run}`);
+  await page.getByText("Not drawn: Controls, as scripted drives without throttle").waitFor();
+  expect(await page.getByRole("img", { name: /^Controls/ }).count()).toBe(0);
+  const boxes = await Promise.all(
+    (await page.locator(".plots .plot").all()).map((plot) => plot.boundingBox()),
+  );
+  expect(boxes.length).toBeGreaterThanOrEqual(3);
+  const rows = new Set(boxes.map((box) => box?.y));
+  expect(new Set(boxes.map((box) => box?.height)).size).toBe(1);
+  // Plots beside one another begin at the same height.
+  expect(rows.size).toBeLessThan(boxes.length);
+  await context.close();
+});
+
+it("a run without a violation tells its observations in the same sentence", async () => {
+  const run = await runOf(
+    made.paired[1],
+    ({ violations, observations }) => violations === 0 && observations > 0,
+  );
+  const { page, context } = await open(browser, `${url}/runs/${run.id}`);
+  const line = page.locator(".verdict-line");
+  await line.waitFor();
+  const counted = run.observations === 1 ? "1 observation" : `${run.observations} observations`;
+  expect((await line.innerText()).replaceAll(/\s+/g, " ")).toContain(
+    `No oracle was violated; ${counted}: `,
+  );
+  await context.close();
+});
+
+it("a passed candidate of a campaign is run again from its page, recorded and the same", async () => {
+  const { items } = await api.get<{ items: { number: number }[] }>(
+    `/campaigns/${made.campaign}/evaluations?violating=false&status=judged&limit=1`,
+  );
+  const id = `${made.campaign}-${items[0]?.number}`;
+  const { page, context, complaints } = await open(browser, `${url}/runs/${id}`);
+  await page.getByText(`drivora replay ${id}`).waitFor();
+  await page.getByRole("button", { name: "Run it again here" }).click();
+  await page.waitForURL((address) => !address.pathname.endsWith(id));
+  const again = new URL(page.url()).pathname.split("/").at(-1);
+  await page.locator(".controls .time").waitFor({ timeout: 120_000 });
+  const [before, after] = await Promise.all(
+    [id, again].map((run) => api.get<Told>(`/runs/${run}`)),
+  );
+  expect(after?.label).toBe(`replay of ${id}`);
+  expect(after?.simulation_sha256).toBe(before?.simulation_sha256);
   expect(complaints).toEqual([]);
   await context.close();
 });

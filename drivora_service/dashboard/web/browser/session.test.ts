@@ -5,7 +5,7 @@ import type { Browser } from "playwright-core";
 import { afterAll, beforeAll, expect, it } from "vitest";
 import { Api } from "./support/api";
 import { startBrowser } from "./support/browser";
-import { postBatch, shortScenarios } from "./support/data";
+import { longScenarios, postBatch, shortScenarios } from "./support/data";
 import { drawn, open } from "./support/page";
 import { drivora, Service } from "./support/service";
 
@@ -107,6 +107,28 @@ it("only a token that may submit is offered to minimise a failing run", async ()
     await page.getByRole("button", { name: "Sign in" }).click();
     await page.getByRole("button", { name: "Copy the id" }).waitFor();
     offered.push(await page.getByRole("button", { name: "Minimise" }).count());
+    await context.close();
+  }
+  expect(offered).toEqual([0, 1]);
+});
+
+it("a run without a recording is run again by a token that may submit", async () => {
+  const api = new Api(address, submitter);
+  const batch = await postBatch(api, "given up", longScenarios(3));
+  await api.post(`/batches/${batch}:cancel`);
+  await api.until<{ done: boolean }>(`/batches/${batch}`, ({ done }) => done);
+  const { items } = await api.get<{ items: { id: string }[] }>(
+    `/runs?batch=${batch}&status=cancelled&limit=1`,
+  );
+  const offered: number[] = [];
+  for (const token of [reader, submitter]) {
+    const { page, context } = await open(browser, `${address}/runs/${items[0]?.id}`);
+    await page.getByLabel("Token").fill(token);
+    await page.getByRole("button", { name: "Sign in" }).click();
+    await page.getByText("neither passes nor fails").waitFor();
+    offered.push(await page.getByRole("button", { name: "Run it again here" }).count());
+    const why = page.getByText("sign in with a token that may submit");
+    expect(await why.count()).toBe(token === reader ? 1 : 0);
     await context.close();
   }
   expect(offered).toEqual([0, 1]);

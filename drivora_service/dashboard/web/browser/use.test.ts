@@ -111,6 +111,28 @@ it("an address leads deep into the data, for a new reader too", async () => {
   await context.close();
 });
 
+it("the list of campaigns and the page of one tell the same first failure", async () => {
+  const { page, context, complaints } = await open(browser, `${url}/campaigns`);
+  const { name } = await api.get<{ name: string }>(`/campaigns/${made.campaign}`);
+  const { first_failure } = await api.get<{ first_failure: number }>(
+    `/campaigns/${made.campaign}/discoveries`,
+  );
+  const row = page.getByRole("row", { name });
+  await row.getByText(String(first_failure), { exact: true }).waitFor();
+  await row.getByRole("link", { name }).click();
+  const facts = page.locator(".head-facts");
+  await facts.getByText(`in simulation ${first_failure}`, { exact: true }).waitFor();
+  const labels = await facts.locator("dt").allInnerTexts();
+  expect(labels.slice(0, 5)).toEqual(["Method", "ADS", "Scene", "Simulations", "First failure"]);
+  const kinds = page.getByRole("table", { name: "Kinds of failures" });
+  await kinds
+    .getByRole("link", { name: String(first_failure), exact: true })
+    .first()
+    .waitFor();
+  expect(complaints).toEqual([]);
+  await context.close();
+});
+
 it("an address of what is not there says so", async () => {
   const { page, context } = await open(browser, `${url}/runs/none`);
   await page.locator("[role=alert]").waitFor();
