@@ -139,7 +139,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
     id: "left",
     title: "Left",
     hint: "Time left at this rate",
-    width: "62px",
+    width: "88px",
     numeric: true,
     cell: ({ state, left_s }) => (state === "running" && left_s !== null ? duration(left_s) : ""),
   },
