@@ -46,6 +46,7 @@ def _or_null(name: str, type_: pa.DataType, meaning: str, *, unit: str = "") -> 
 
 
 _RUN_ID = _column("run_id", _TEXT, "id of the run; joins the tables")
+_LABEL = _or_null("label", _TEXT, "display name of the run")
 
 _RUNS = (
     _RUN_ID,
@@ -55,7 +56,7 @@ _RUNS = (
         "`run`: the run is stored; `evaluation`: only its campaign has it (a campaign of a "
         "command, or a run that was removed)",
     ),
-    _or_null("label", _TEXT, "display name"),
+    _LABEL,
     _or_null("batch_id", _TEXT, "id of its batch; null for a job that was posted singly"),
     _column("item", _COUNT, "place in the batch, from 0; number of the evaluation in a campaign"),
     _or_null("campaign_id", _TEXT, "id of its campaign"),
@@ -100,6 +101,7 @@ _RUNS = (
 
 _VERDICTS = (
     _RUN_ID,
+    _LABEL,
     _column("place", _COUNT, "place among the verdicts of the run, from 0"),
     _column("oracle", _TEXT, "name of the oracle"),
     _column("ego", _TEXT, "id of the ego"),
@@ -134,6 +136,7 @@ _VERDICTS = (
 
 _METRICS = (
     _RUN_ID,
+    _LABEL,
     _column(
         "kind",
         _TEXT,
@@ -146,6 +149,7 @@ _METRICS = (
 
 _AGENTS = (
     _RUN_ID,
+    _LABEL,
     _column("ego", _TEXT, "id of the ego"),
     _column("agent", _TEXT, "name of the ADS that drives it"),
     _column("parameters", _TEXT, "JSON object: values of all parameters of the agent, by name"),

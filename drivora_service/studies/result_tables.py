@@ -96,15 +96,19 @@ def _run_rows(result: StoredResult) -> Iterator[Row]:
     }
 
 
+def _run(result: StoredResult) -> Row:
+    return {"run_id": result.values["run_id"], "label": result.values["label"] or None}
+
+
 def _verdict_rows(result: StoredResult) -> Iterator[Row]:
-    run_id = result.values["run_id"]
+    of = _run(result)
     for place, told in enumerate(result.report.get("verdicts") or ()):
         verdict = {**_UNSAID, **told}
         is_violated = verdict["outcome"] == Outcome.VIOLATED
         x, y = verdict["location"] or (None, None)
         yield {
             **verdict,
-            "run_id": run_id,
+            **of,
             "place": place,
             "severity": verdict["severity"] if is_violated else None,
             "accountability": _accountability(verdict) if is_violated else None,
@@ -118,7 +122,7 @@ def _verdict_rows(result: StoredResult) -> Iterator[Row]:
 
 
 def _metric_rows(result: StoredResult) -> Iterator[Row]:
-    run_id, report = result.values["run_id"], result.report
+    of, report = _run(result), result.report
     objectives = (report.get("measurement") or {}).get("objectives")
     for kind, values in (
         ("metric", report.get("metrics")),
@@ -126,15 +130,15 @@ def _metric_rows(result: StoredResult) -> Iterator[Row]:
         ("objective", objectives),
     ):
         for name, value in (values or {}).items():
-            yield {"run_id": run_id, "kind": kind, "metric": name, "value": value}
+            yield {**of, "kind": kind, "metric": name, "value": value}
 
 
 def _agent_rows(result: StoredResult) -> Iterator[Row]:
-    run_id, report = result.values["run_id"], result.report
+    of, report = _run(result), result.report
     costs, privileged = report.get("agent_cost_us") or {}, report.get("privileged") or ()
     for ego, agent in (report.get("agents") or {}).items():
         yield {
-            "run_id": run_id,
+            **of,
             "ego": ego,
             "agent": agent["name"],
             "parameters": _json(agent.get("parameters") or {}),

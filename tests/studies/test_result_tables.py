@@ -183,8 +183,14 @@ def test_metrics_and_agents_are_those_of_the_reports(world: World, runs: dict[st
     found = records(frame(world, ResultTableName.METRICS))
     assert [(row["run_id"], row["kind"], row["metric"], row["value"]) for row in found] == expected
     assert {kind for _, kind, _, _ in expected} == {"metric", "score", "objective"}
+    labels = {row["run_id"]: row["label"] for row in records(frame(world, ResultTableName.RUNS))}
+    assert {label is None for label in labels.values()} == {True, False}
+    for name in (ResultTableName.METRICS, ResultTableName.VERDICTS):
+        for row in records(frame(world, name)):
+            assert row["label"] == labels[row["run_id"]]
     (agent,) = records(frame(world, ResultTableName.AGENTS))
     assert json.loads(agent.pop("parameters")) == {"politeness": 0.1 + 0.2}
+    assert agent.pop("label") == labels[agent["run_id"]]
     assert agent.pop("run_id") in runs
     assert agent == {"ego": "ego", "agent": "idm-mobil", "cost_us": 3.25, "privileged": True}
 

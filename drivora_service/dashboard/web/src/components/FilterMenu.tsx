@@ -89,6 +89,8 @@ function Values({
           onChange={(event) => setTyped(event.target.value)}
           onKeyDown={(event) => {
             if (event.key !== "Enter" || !shown[0]) return;
+            // Closing gives the button the focus: the same key must not open the menu again.
+            event.preventDefault();
             onChange(withToggled(search, filter, shown[0]));
             close();
           }}

@@ -11,20 +11,28 @@ export function SelectedTwo({
   readonly onCompare: () => void;
   readonly onClear: () => void;
 }) {
+  const words =
+    number === 0
+      ? "Compare selected"
+      : number === 2
+        ? `Compare 2 ${what}`
+        : `${number} selected: choose two to compare`;
   return (
     <>
       <button
         type="button"
-        className="primary"
+        className={number > 0 ? "primary" : undefined}
         disabled={number !== 2}
-        title={number === 2 ? "Compare (c)" : `Two ${what} can be compared`}
+        title={number === 2 ? "Compare (c)" : `Select two ${what} with x, or with Ctrl and a click`}
         onClick={onCompare}
       >
-        {number === 2 ? `Compare 2 ${what}` : `${number} selected: choose two to compare`}
+        {words}
       </button>
-      <button type="button" onClick={onClear} aria-label={`Select no ${what}`}>
-        ×
-      </button>
+      {number > 0 && (
+        <button type="button" onClick={onClear} aria-label={`Select no ${what}`}>
+          ×
+        </button>
+      )}
     </>
   );
 }

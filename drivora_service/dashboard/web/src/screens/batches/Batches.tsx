@@ -16,7 +16,6 @@ import { useTitle } from "../../shell/useTitle";
 import { NOT_JUDGED } from "../runs/status";
 import { BatchActions } from "./BatchActions";
 import {
-  actionsOf,
   type Batch,
   isPriority,
   lookOfBatch,
@@ -29,7 +28,6 @@ import {
 const PAGE = 100;
 const FILTERS = [{ name: "priority", title: "Priority", values: PRIORITIES }] as const;
 const idOf = (batch: Batch) => batch.id;
-const hasActions = (batch: Batch) => actionsOf(batch).length > 0;
 
 const COLUMNS: readonly Column<Batch>[] = [
   {
@@ -145,14 +143,12 @@ export function Batches() {
         <h1>Batches</h1>
         <Answer />
         <div className="actions">
-          {selected.size > 0 && (
-            <SelectedTwo
-              number={selected.size}
-              what="batches"
-              onCompare={() => compare([...selected])}
-              onClear={() => setSelected(new Set())}
-            />
-          )}
+          <SelectedTwo
+            number={selected.size}
+            what="batches"
+            onCompare={() => compare([...selected])}
+            onClear={() => setSelected(new Set())}
+          />
         </div>
       </div>
       <Filters filters={FILTERS} search={search} />
@@ -172,7 +168,7 @@ export function Batches() {
           <News news={news} onInsert={insertNews} />
           <DataTable
             label="Batches"
-            columns={rows.some(hasActions) ? COLUMNS : COLUMNS.filter(({ id }) => id !== "actions")}
+            columns={COLUMNS}
             rows={rows}
             idOf={idOf}
             left={left}

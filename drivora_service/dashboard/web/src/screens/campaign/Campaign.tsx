@@ -15,6 +15,7 @@ import { Coverage } from "./Coverage";
 import { Evaluations } from "./Evaluations";
 import { Facts } from "./Facts";
 import { Found } from "./Found";
+import { Judged } from "./Judged";
 import { Kinds } from "./Kinds";
 import { Newest } from "./Newest";
 import { Objectives } from "./Objectives";
@@ -106,23 +107,6 @@ function Tables({ id }: { readonly id: string }) {
   );
 }
 
-/** Which oracles the campaign counts: its runs are judged by all, and the second runs are among them. */
-function Judged({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
-  const told = campaign.document.oracles;
-  const oracles = Array.isArray(told) ? told.map(String) : [];
-  return (
-    <p className="answer quiet">
-      {oracles.length > 0
-        ? `It counts violations of ${oracles.map((name) => name.replaceAll("_", " ")).join(", ")}. `
-        : "It counts violations of all oracles. "}
-      <Link to="/runs" search={{ campaign: campaign.id }}>
-        Its runs
-      </Link>{" "}
-      are judged by all oracles, and include the second runs of failures.
-    </p>
-  );
-}
-
 /** How the search stands, in one sentence. */
 function Answer({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
   const { counts, simulations, kinds } = campaign;
@@ -138,7 +122,7 @@ function Answer({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
   return (
     <p className="answer">
       {counts.violating === 0 ? (
-        `No failure in ${count(simulations)} simulations`
+        `No failure that it counts in ${count(simulations)} simulations`
       ) : (
         <>
           <Link to="." search={{ tab: "evaluations", violating: "true" }} resetScroll={false}>

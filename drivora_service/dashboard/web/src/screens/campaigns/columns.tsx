@@ -44,7 +44,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
   {
     id: "name",
     title: "Campaign",
-    width: "minmax(140px, 1.2fr)",
+    width: "minmax(160px, 2fr)",
     cell: ({ id, name, cell }) => (
       <Link to="/campaigns/$id" params={{ id }} search={{}} title={name}>
         {shortName(name, cell) || id}

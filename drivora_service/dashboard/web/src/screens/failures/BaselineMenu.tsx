@@ -124,7 +124,9 @@ function Owners({ onChoose }: { readonly onChoose: (id: string) => void }) {
       {found.length > MOST_SHOWN && (
         <p className="quiet note">{found.length - MOST_SHOWN} more: type a part of the name</p>
       )}
-      {found.length === 0 && <p className="quiet note">None has this name; enter takes an id</p>}
+      {found.length === 0 && wanted !== "" && (
+        <p className="quiet note">None has this name; enter takes an id</p>
+      )}
     </>
   );
 }

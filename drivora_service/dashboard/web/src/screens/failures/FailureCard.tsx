@@ -5,6 +5,7 @@ import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
 import { Picture } from "../../components/Picture";
 import { OracleHelp } from "../../help/OracleHelp";
+import { SearchFrom } from "../compose/SearchFrom";
 import { replayUpTo } from "../replay/address";
 import { replayCommand } from "../replay/againCommand";
 import { MinimisedForm } from "./MinimisedForm";
@@ -89,6 +90,7 @@ export function FailureCard({ failure }: { readonly failure: Schemas["FoundFailu
               Replay
             </Link>
           )}
+          {failure.run_id && <SearchFrom search={{ run: failure.run_id }} />}
           {command && <Copy text={command} label="Copy the command that runs it again" />}
         </p>
         {failure.run_id && <MinimisedForm failure={failure} />}

@@ -151,7 +151,10 @@ export function GroupCards({
                 </span>
               </p>
               <p className="decided">
-                <Mark {...lookOfGroup(group)} />
+                {/* Beside a baseline "new" would be read as new since then. */}
+                {(group.since_baseline === null || group.status !== "new" || group.is_back) && (
+                  <Mark {...lookOfGroup(group)} />
+                )}
                 {group.since_baseline && <Mark {...SINCE[group.since_baseline]} />}
                 {group.assignee && <span>{group.assignee}</span>}
                 <span className="quiet">

@@ -37,7 +37,7 @@ const COLUMNS: readonly Column<Failure>[] = [
         <span className="quiet">not recorded</span>
       ),
   },
-  { id: "agent", title: "ADS", width: "78px", cell: ({ agent }) => agent },
+  { id: "agent", title: "ADS", width: "104px", cell: ({ agent }) => agent },
   { id: "town", title: "Town", width: "98px", cell: ({ town }) => town },
   {
     id: "time",

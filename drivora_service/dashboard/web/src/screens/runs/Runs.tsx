@@ -90,14 +90,12 @@ export function Runs() {
         <h1>Runs</h1>
         {counts.data && <RunsAnswer counts={counts.data} search={search} />}
         <div className="actions">
-          {selected.size > 0 && (
-            <SelectedTwo
-              number={selected.size}
-              what="runs"
-              onCompare={() => compare([...selected])}
-              onClear={() => setSelected(new Set())}
-            />
-          )}
+          <SelectedTwo
+            number={selected.size}
+            what="runs"
+            onCompare={() => compare([...selected])}
+            onClear={() => setSelected(new Set())}
+          />
           <CsvButton name={named} ask={ask(MOST)} total={counts.data?.total} />
           <ResultTables name={named} conditions={filters} />
           <ViewMenu list="runs" given={GIVEN_VIEWS} search={search} />

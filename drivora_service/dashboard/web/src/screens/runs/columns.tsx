@@ -2,6 +2,7 @@ import { Link } from "@tanstack/react-router";
 import type { Schemas } from "../../api/client";
 import type { Column } from "../../components/DataTable";
 import { Mark } from "../../components/Mark";
+import { MiddleCut } from "../../components/MiddleCut";
 import { count, fixed, moment } from "../../components/numbers";
 import { ACCOUNTABILITY_WORDS } from "./filters";
 import { lookOfRun } from "./status";
@@ -27,9 +28,8 @@ export function runColumns(oldestFirst: boolean, onSort: () => void): readonly C
     {
       id: "label",
       title: "Label",
-      width: "minmax(180px, 1.4fr)",
-      cell: (run) =>
-        run.label ? <span title={run.label}>{run.label}</span> : <Unnamed run={run} />,
+      width: "minmax(200px, 2.4fr)",
+      cell: (run) => (run.label ? <MiddleCut text={run.label} /> : <Unnamed run={run} />),
     },
     {
       id: "agent",
@@ -131,7 +131,9 @@ export function runColumns(oldestFirst: boolean, onSort: () => void): readonly C
       width: "200px",
       cell: (run) => (
         <Link to="/runs/$runId" params={{ runId: run.id }}>
-          <code>{run.id}</code>
+          <code>
+            <MiddleCut text={run.id} />
+          </code>
         </Link>
       ),
     },
