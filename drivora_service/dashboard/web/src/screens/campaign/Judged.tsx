@@ -28,7 +28,7 @@ export function Judged({ campaign }: { readonly campaign: Schemas["Campaign"] })
           <Link to="/runs" search={{ campaign: id, violated: "true" }}>
             {count(data.violated)} of {count(data.total)}
           </Link>{" "}
-          have a violation of any
+          violate at least one
         </>
       )}
       .

@@ -46,7 +46,7 @@ export function Kinds({ campaign }: { readonly campaign: Schemas["Campaign"] }) 
   const firsts = new Map(data?.kinds.map((kind) => [kind.name, kind]));
   if (campaign.kinds.length === 0)
     return (
-      <Empty title="No failure so far">
+      <Empty title="No failure that it counts so far">
         <p>
           {campaign.simulations} of {campaign.budget} simulations are judged.
         </p>

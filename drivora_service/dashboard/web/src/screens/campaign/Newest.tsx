@@ -25,8 +25,7 @@ export function Newest({ campaign }: { readonly campaign: Schemas["Campaign"] })
   });
   if (query.isPending) return <Loading rows={4} />;
   if (query.isError) return <Refused error={query.error} />;
-  if (query.data.items.length === 0)
-    return <p className="quiet">No failure in {campaign.simulations} simulations.</p>;
+  if (query.data.items.length === 0) return <p className="quiet">None that it counts so far.</p>;
   return (
     <ul className="cards">
       {query.data.items.map((evaluation) => (
