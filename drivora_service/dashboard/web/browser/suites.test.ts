@@ -9,7 +9,11 @@ interface Outcome {
   readonly run_id: string;
 }
 interface History {
-  readonly runs: readonly { readonly id: string; readonly sentence: string }[];
+  readonly runs: readonly {
+    readonly id: string;
+    readonly agent: string;
+    readonly sentence: string;
+  }[];
   readonly scenarios: readonly {
     readonly scenario: string;
     readonly outcomes: readonly (Outcome | null)[];
@@ -56,6 +60,32 @@ it("a suite that CI ran says why its gate failed, and what changed since", async
   expect(await page.locator(".squares tbody tr").count()).toBe(history.scenarios.length);
   const lines = page.locator('section[aria-label="Old against new"] tbody tr');
   expect(await lines.count()).toBe(changed.length);
+
+  // Each run is named by its ADS and its time: over its column, where two are compared, in the
+  // figures and in their numbers.
+  const drivers = history.runs.map(({ agent }) => agent);
+  expect(new Set(drivers).size).toBe(2);
+  const heads = page.locator(".squares thead th .run-name");
+  for (const [place, driver] of drivers.entries()) {
+    expect(await heads.nth(place).innerText()).toMatch(
+      new RegExp(`^${driver}\\s+(\\d\\d-\\d\\d )?\\d\\d:\\d\\d`),
+    );
+    const choice = page.getByLabel(place === 0 ? "Old" : "New", { exact: true });
+    expect(await choice.locator("option:checked").innerText()).toContain(`${driver}, `);
+  }
+  const heading = page.locator('section[aria-label="Old against new"] h2');
+  expect(await heading.innerText()).toMatch(
+    new RegExp(`^Old: ${drivers[0]}, .+ New: ${drivers[1]}, `),
+  );
+  expect(await page.locator(".decision").innerText()).toContain(`since ${drivers[0]}, `);
+  const chart = page.getByRole("img", { name: "Scenarios that pass" });
+  for (const driver of drivers) await chart.getByText(driver, { exact: true }).waitFor();
+  expect(
+    await page
+      .getByRole("table", { name: "Scenarios that pass", includeHidden: true })
+      .locator("thead th")
+      .allTextContents(),
+  ).toContain("ADS");
 
   const first = history.scenarios.find(({ scenario }) => scenario === changed[0]?.scenario);
   const line = lines.filter({ hasText: first?.scenario ?? "none" });

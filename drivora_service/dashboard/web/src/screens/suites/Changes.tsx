@@ -1,38 +1,40 @@
 import { Link } from "@tanstack/react-router";
 import { Mark } from "../../components/Mark";
-import { moment } from "../../components/numbers";
-import { type History, type Outcome, type ScenarioLine, STATES, type Turn } from "./suite";
+import {
+  changeSentence,
+  type Outcome,
+  type RunName,
+  type ScenarioLine,
+  STATES,
+  type Turn,
+} from "./suite";
 
 /** The scenarios that changed between two runs of a suite, with both replays in step. */
 export function Changes({
-  history,
+  names,
   before,
   after,
   changes,
 }: {
-  readonly history: History;
+  readonly names: readonly RunName[];
   readonly before: number;
   readonly after: number;
   readonly changes: readonly { readonly line: ScenarioLine; readonly turn: Turn }[];
 }) {
-  const at = (place: number) => moment(history.runs[place]?.created_at).slice(0, 16);
   return (
     <section aria-label="Old against new">
       <h2>
-        {at(before)} against {at(after)}
+        Old: {names[before]?.whole}. New: {names[after]?.whole}
       </h2>
-      {changes.length === 0 ? (
-        <p className="quiet">
-          No scenario changed. Another square in the head chooses another run.
-        </p>
-      ) : (
+      <p className="answer">{changeSentence(changes)}</p>
+      {changes.length > 0 && (
         <div className="plain-table">
           <table>
             <thead>
               <tr>
                 <th scope="col">Scenario</th>
-                <th scope="col">Before</th>
-                <th scope="col">Now</th>
+                <th scope="col">Old</th>
+                <th scope="col">New</th>
                 <th scope="col">What fails</th>
                 <th scope="col">Runs</th>
               </tr>

@@ -1,13 +1,12 @@
 import { Link } from "@tanstack/react-router";
 import { useState } from "react";
-import { Mark } from "../../components/Mark";
-import { count, moment } from "../../components/numbers";
+import { count } from "../../components/numbers";
 import {
   alwaysPasses,
-  driverOf,
   type History,
   lookOfGate,
   type Outcome,
+  type RunName,
   type ScenarioState,
   STATES,
   type SuiteRun,
@@ -18,17 +17,22 @@ const MOST = 400;
 /** The history of each scenario as a strip of squares, oldest to newest; each leads to its run. */
 export function Squares({
   history,
-  chosen,
+  names,
+  before,
+  after,
   onChoose,
 }: {
   readonly history: History;
-  /** Places of the runs that are compared. */
-  readonly chosen: readonly number[];
-  readonly onChoose: (run: string) => void;
+  readonly names: readonly RunName[];
+  /** Places of the runs that are compared; the old one is -1 where there is none. */
+  readonly before: number;
+  readonly after: number;
+  readonly onChoose: (chosen: { readonly before?: string; readonly after?: string }) => void;
 }) {
   const [all, setAll] = useState(false);
   const telling = history.scenarios.filter((line) => !alwaysPasses(line));
   const lines = (all ? history.scenarios : telling).slice(0, MOST);
+  const isChosen = (place: number) => before >= 0 && (place === before || place === after);
   const hidden = history.scenarios.length - telling.length;
   return (
     <section aria-label="History of scenarios">
@@ -36,29 +40,51 @@ export function Squares({
       <p className="answer">
         {count(telling.length)} of {count(history.scenarios.length)} did not always pass.{" "}
         {hidden > 0 && (
-          <button type="button" className="plain" onClick={() => setAll(!all)}>
+          <button type="button" onClick={() => setAll(!all)}>
             {all ? "Hide those that always pass" : `Show the ${count(hidden)} others`}
           </button>
         )}
       </p>
+      {before >= 0 && (
+        <p className="compared">
+          <RunChoice
+            title="Old"
+            value={before}
+            places={history.runs.flatMap((_, place) => (place < after ? [place] : []))}
+            history={history}
+            names={names}
+            onChoose={(id) => onChoose({ before: id })}
+          />
+          <RunChoice
+            title="New"
+            value={after}
+            places={history.runs.flatMap((_, place) => (place > 0 ? [place] : []))}
+            history={history}
+            names={names}
+            onChoose={(id) => onChoose({ after: id })}
+          />
+        </p>
+      )}
       <div className="plain-table squares">
         <table>
           <thead>
             <tr>
               <th scope="col">Scenario</th>
               {history.runs.map((run, place) => (
-                <th key={run.id} scope="col" data-chosen={chosen.includes(place)}>
-                  <button
-                    type="button"
-                    className="plain"
-                    data-tone={lookOfGate(run).tone}
-                    title={runWords(run)}
-                    aria-label={`Compare with the run of ${moment(run.created_at)}`}
-                    disabled={place === history.runs.length - 1}
-                    onClick={() => onChoose(run.id)}
-                  >
+                <th
+                  key={run.id}
+                  scope="col"
+                  data-chosen={isChosen(place)}
+                  title={runWords(run, names[place])}
+                >
+                  <span className="run-name">
+                    <b>{names[place]?.driver}</b> {names[place]?.when}
+                  </span>
+                  <span className="gate" data-tone={lookOfGate(run).tone}>
                     {lookOfGate(run).sign}
-                  </button>
+                    <span className="hidden-visually">{lookOfGate(run).text}</span>
+                  </span>
+                  <small>{isChosen(place) ? (place === before ? "old" : "new") : "\u00a0"}</small>
                 </th>
               ))}
             </tr>
@@ -68,8 +94,8 @@ export function Squares({
               <tr key={scenario}>
                 <th scope="row">{scenario}</th>
                 {outcomes.map((outcome, place) => (
-                  <td key={history.runs[place]?.id} data-chosen={chosen.includes(place)}>
-                    {outcome && <Square outcome={outcome} run={history.runs[place]} />}
+                  <td key={history.runs[place]?.id} data-chosen={isChosen(place)}>
+                    {outcome && <Square outcome={outcome} name={names[place]} />}
                   </td>
                 ))}
               </tr>
@@ -77,9 +103,14 @@ export function Squares({
           </tbody>
         </table>
       </div>
-      <p className="legend">
+      <p className="legend squares">
         {(Object.keys(STATES) as ScenarioState[]).map((state) => (
-          <Mark key={state} {...STATES[state]} />
+          <span key={state}>
+            <span className="square" data-tone={STATES[state].tone}>
+              {STATES[state].sign}
+            </span>{" "}
+            {STATES[state].text}
+          </span>
         ))}
       </p>
     </section>
@@ -88,15 +119,13 @@ export function Squares({
 
 function Square({
   outcome,
-  run,
+  name,
 }: {
   readonly outcome: Outcome;
-  readonly run: SuiteRun | undefined;
+  readonly name: RunName | undefined;
 }) {
   const { sign, tone, text } = STATES[outcome.state];
-  const words = [`${text}, ${moment(run?.created_at).slice(0, 16)}`, ...outcome.failures].join(
-    "\n",
-  );
+  const words = [`${text}, ${name?.whole}`, ...outcome.failures].join("\n");
   if (!outcome.run_id)
     return (
       <span className="square" data-tone={tone} title={words}>
@@ -118,6 +147,36 @@ function Square({
   );
 }
 
-function runWords(run: SuiteRun): string {
-  return `${moment(run.created_at)}, ${driverOf(run)}\n${run.sentence}`;
+/** Chooses one of the runs that are compared. */
+function RunChoice({
+  title,
+  value,
+  places,
+  history,
+  names,
+  onChoose,
+}: {
+  readonly title: string;
+  readonly value: number;
+  readonly places: readonly number[];
+  readonly history: History;
+  readonly names: readonly RunName[];
+  readonly onChoose: (id: string) => void;
+}) {
+  return (
+    <label>
+      {title}{" "}
+      <select value={history.runs[value]?.id} onChange={(event) => onChoose(event.target.value)}>
+        {places.toReversed().map((place) => (
+          <option key={history.runs[place]?.id} value={history.runs[place]?.id}>
+            {names[place]?.whole}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function runWords(run: SuiteRun, name: RunName | undefined): string {
+  return `${name?.whole}: ${lookOfGate(run).text}\n${run.sentence}`;
 }

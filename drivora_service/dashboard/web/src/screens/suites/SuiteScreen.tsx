@@ -4,12 +4,18 @@ import { firstOf, type Search } from "../../address";
 import { api, body } from "../../api/client";
 import { Filters } from "../../components/Filters";
 import { Mark } from "../../components/Mark";
-import { moment } from "../../components/numbers";
 import { Loading, Refused } from "../../components/States";
 import { useTitle } from "../../shell/useTitle";
 import { Changes } from "./Changes";
 import { Squares } from "./Squares";
-import { changeSentence, changesBetween, driverOf, lookOfGate, shareWords } from "./suite";
+import {
+  changeSentence,
+  changesBetween,
+  comparedRuns,
+  lookOfGate,
+  runNames,
+  shareWords,
+} from "./suite";
 import { Trend } from "./Trend";
 import { useDrivers } from "./useDrivers";
 import "./suites.css";
@@ -39,8 +45,21 @@ export function SuiteScreen({
   });
   const history = query.data;
   const last = history?.runs.at(-1);
-  const [before, after] = history ? chosenRuns(search, history.runs) : [-1, -1];
+  const [before, after] = history
+    ? comparedRuns(
+        { before: firstOf(search, "before"), after: firstOf(search, "after") },
+        history.runs,
+      )
+    : [-1, -1];
+  const names = runNames(history?.runs ?? []);
   const changes = history && before >= 0 ? changesBetween(history, before, after) : undefined;
+  const choose = (chosen: { readonly before?: string; readonly after?: string }) =>
+    void navigate({
+      to: ".",
+      search: { ...search, ...chosen },
+      replace: true,
+      resetScroll: false,
+    });
   return (
     <>
       <div className="head">
@@ -52,8 +71,8 @@ export function SuiteScreen({
           {last && (
             <>
               {" › "}
-              <Mark {...lookOfGate(last)} /> {moment(last.created_at).slice(0, 16)},{" "}
-              {driverOf(last)}: {shareWords(last.pass_rate)} of the scenarios pass.
+              <Mark {...lookOfGate(last)} /> {names.at(-1)?.whole}: {shareWords(last.pass_rate)} of
+              the scenarios pass.
             </>
           )}
         </p>
@@ -74,34 +93,21 @@ export function SuiteScreen({
             )}
             <p className="quiet">
               {last.baseline ? `Baseline ${last.baseline}` : "Without a baseline"}
-              {changes && `; since the run before it: ${changeSentence(changes)}`}
+              {changes &&
+                `; ${after === history.runs.length - 1 ? "since" : `${names[after]?.whole} since`} ${names[before]?.whole}: ${changeSentence(changes)}`}
             </p>
           </section>
-          <Trend history={history} />
+          <Trend history={history} names={names} />
           <Squares
             history={history}
-            chosen={before >= 0 ? [before, after] : []}
-            onChoose={(run) =>
-              void navigate({
-                to: ".",
-                search: { ...search, before: run },
-                replace: true,
-              })
-            }
+            names={names}
+            before={before}
+            after={after}
+            onChoose={choose}
           />
-          {changes && <Changes history={history} before={before} after={after} changes={changes} />}
+          {changes && <Changes names={names} before={before} after={after} changes={changes} />}
         </>
       )}
     </>
   );
-}
-
-/** Returns the places of the two runs that are compared: the last, and one before it. */
-function chosenRuns(
-  search: Search,
-  runs: readonly { readonly id: string }[],
-): readonly [number, number] {
-  const after = runs.length - 1;
-  const asked = runs.findIndex(({ id }) => id === firstOf(search, "before"));
-  return [asked >= 0 && asked < after ? asked : after - 1, after];
 }

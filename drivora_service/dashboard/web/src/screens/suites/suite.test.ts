@@ -3,8 +3,11 @@ import {
   alwaysPasses,
   changeSentence,
   changesBetween,
+  comparedRuns,
   type History,
+  labelStride,
   type Outcome,
+  runNames,
   runsByDriver,
   type ScenarioState,
   shareWords,
@@ -55,4 +58,56 @@ it("scenarios that changed are told, the worse first", () => {
 
 it("the ADSs that drove a suite are counted, runs of each scenario's own are not", () => {
   expect(runsByDriver([{ agent: "idm" }, { agent: "" }, { agent: "idm" }])).toEqual({ idm: 2 });
+});
+
+const run = (agent: string, created_at: string, drivora = "1") => ({
+  agent,
+  agent_parameters: [],
+  created_at,
+  versions: { drivora, numpy: "2" },
+});
+
+it("runs are named by their ADS and as much of their time as tells them apart", () => {
+  const when = (...runs: ReturnType<typeof run>[]) => runNames(runs).map((name) => name.when);
+  const old = run("idm", "2026-11-26T03:03:05");
+  expect(when(run("idm", "2026-11-27T03:02:55"), run("idm", "2026-11-27T03:03:05"))).toEqual([
+    "03:02",
+    "03:03",
+  ]);
+  expect(when(run("idm", "2026-11-27T03:03:05"), run("mobil", "2026-11-27T03:03:17"))).toEqual([
+    "03:03:05",
+    "03:03:17",
+  ]);
+  expect(when(old, run("idm", "2026-11-27T03:03:17"))).toEqual(["11-26", "11-27"]);
+  expect(when(old, run("idm", "2026-11-27T03:03:17"), run("idm", "2026-11-27T04:03:17"))).toEqual([
+    "11-26 03:03",
+    "11-27 03:03",
+    "11-27 04:03",
+  ]);
+});
+
+it("the name of a run has the versions in which runs differ", () => {
+  const names = runNames([
+    run("idm", "2026-11-26T03:03:05"),
+    run("mobil", "2026-11-27T03:03:05", "2"),
+  ]);
+  expect(names.map(({ whole }) => whole)).toEqual([
+    "idm, drivora 1, 2026-11-26 03:03",
+    "mobil, drivora 2, 2026-11-27 03:03",
+  ]);
+});
+
+it("either of the two runs that are compared can be chosen; the old one is older", () => {
+  const runs = ["a", "b", "c"].map((id) => ({ id }));
+  expect(comparedRuns({ before: "", after: "" }, runs)).toEqual([1, 2]);
+  expect(comparedRuns({ before: "a", after: "" }, runs)).toEqual([0, 2]);
+  expect(comparedRuns({ before: "", after: "b" }, runs)).toEqual([0, 1]);
+  expect(comparedRuns({ before: "c", after: "b" }, runs)).toEqual([0, 1]);
+  expect(comparedRuns({ before: "gone", after: "a" }, runs)).toEqual([1, 2]);
+  expect(comparedRuns({ before: "", after: "" }, [{ id: "a" }])).toEqual([-1, 0]);
+});
+
+it("labels that would touch are left out", () => {
+  expect(labelStride(["03:03", "03:04"], 100)).toBe(1);
+  expect(labelStride(["03:03", "03:04"], 20)).toBe(3);
 });

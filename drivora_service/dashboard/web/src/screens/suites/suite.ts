@@ -1,6 +1,6 @@
 import type { Schemas } from "../../api/client";
 import type { MarkLook, Tone } from "../../components/Mark";
-import { count } from "../../components/numbers";
+import { count, moment } from "../../components/numbers";
 
 export type SuiteRun = Schemas["SuiteRunSummary"];
 export type History = Schemas["SuiteHistory"];
@@ -39,6 +39,64 @@ export function driverOf({
   agent_parameters,
 }: Pick<SuiteRun, "agent" | "agent_parameters">) {
   return [agent || "as in the scenarios", ...agent_parameters].join(", ");
+}
+
+/** What tells a run of a suite from the others that are shown with it. */
+export interface RunName {
+  /** Its ADS, and the versions in which the runs differ. */
+  readonly driver: string;
+  /** As much of its date and time as tells it from the others. */
+  readonly when: string;
+  /** The ADS and the whole time. */
+  readonly whole: string;
+}
+
+/** Returns the names of runs, which differ unless two runs began in the same second. */
+export function runNames(
+  runs: readonly Pick<SuiteRun, "agent" | "agent_parameters" | "created_at" | "versions">[],
+): readonly RunName[] {
+  const times = runs.map(({ created_at }) => moment(created_at));
+  const differ = (of: (time: string) => string) => new Set(times.map(of)).size === times.length;
+  const days = new Set(times.map((time) => time.slice(0, 10)));
+  const end = differ((time) => time.slice(0, 16)) ? 16 : 19;
+  const packages = [...new Set(runs.flatMap(({ versions }) => Object.keys(versions)))].filter(
+    (name) => new Set(runs.map(({ versions }) => versions[name])).size > 1,
+  );
+  return runs.map((run, place) => {
+    const time = times[place] ?? "";
+    const driver = [
+      driverOf(run),
+      ...packages.map((name) => `${name} ${run.versions[name] ?? "none"}`),
+    ].join(", ");
+    const isDated = days.size > 1;
+    const short = isDated && days.size === times.length ? 10 : end;
+    return {
+      driver,
+      when: time.slice(isDated ? 5 : 11, short),
+      whole: `${driver}, ${time.slice(0, end)}`,
+    };
+  });
+}
+
+/**
+ * Returns the places of the two runs that are compared, the old and the new one: as asked by their
+ * ids, else the last and the one before; the old one is -1 where none is older.
+ */
+export function comparedRuns(
+  asked: { readonly before: string; readonly after: string },
+  runs: readonly { readonly id: string }[],
+): readonly [number, number] {
+  const place = (id: string) => runs.findIndex((run) => run.id === id);
+  const named = place(asked.after);
+  const after = named > 0 ? named : runs.length - 1;
+  const before = place(asked.before);
+  return [before >= 0 && before < after ? before : after - 1, after];
+}
+
+/** Returns every how many-th of labels is shown, so that they do not touch. */
+export function labelStride(labels: readonly string[], apart: number, letter = 7): number {
+  const widest = Math.max(0, ...labels.map(({ length }) => length * letter + 8));
+  return Math.max(1, Math.ceil(widest / Math.max(apart, 1)));
 }
 
 /** Returns how many runs each ADS drove; runs that each scenario's own ADSs drove are left out. */
