@@ -9,7 +9,7 @@ import { useKeys } from "../../shell/keys";
 import { ActorList } from "./ActorList";
 import { AgentLog } from "./AgentLog";
 import { readState, stretchWords, TRAILS, trailsText } from "./address";
-import { avoidableUntil } from "./avoidable";
+import { avoidableUntilOf } from "./avoidable";
 import { CompareChoice } from "./CompareChoice";
 import { Caption, CompareLine } from "./CompareLine";
 import { Controls } from "./Controls";
@@ -142,8 +142,6 @@ function Player({
   const egoId = recording.actors.find(({ row }) => row === ego)?.id ?? "";
   const laws = useMemo(() => lawCurves(run.verdicts, egoId), [run, egoId]);
   const { data: timeline } = useTimeline(run.id);
-  const untilOf = (verdict: Schemas["Verdict"]) =>
-    avoidableUntil(timeline?.violations ?? NONE, verdict, recording.stepLength);
   const jump = (time: number) => {
     clock.pause();
     clock.seek(time);
@@ -193,7 +191,7 @@ function Player({
 
   return (
     <div className="replay">
-      <VerdictLine verdicts={run.verdicts} untilOf={untilOf} onMoment={jump} />
+      <VerdictLine verdicts={run.verdicts} untilOf={avoidableUntilOf} onMoment={jump} />
       {state.beside && (
         <CompareLine
           other={second.run}

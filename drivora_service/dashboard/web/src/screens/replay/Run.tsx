@@ -6,11 +6,13 @@ import { type Column, DataTable } from "../../components/DataTable";
 import { Mark, type MarkLook } from "../../components/Mark";
 import { fixed, moment } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
+import { fileNameOf } from "../../documents/files";
 import { useTitle } from "../../shell/useTitle";
 import { SearchFrom } from "../compose/SearchFrom";
 import { minimizationOf } from "../minimizations/minimization";
 import { lookOfRun } from "../runs/status";
 import { againCommand } from "./againCommand";
+import { avoidableUntilOf } from "./avoidable";
 import { Minimised, MinimizeRun } from "./MinimizeRun";
 import { Replay } from "./Replay";
 import { RunAgain } from "./RunAgain";
@@ -53,7 +55,12 @@ export function Run() {
           >
             Edit
           </Link>
-          <a className="button" href={`/api/v1/runs/${run.id}/scenario`}>
+          <a
+            className="button"
+            href={`/api/v1/runs/${run.id}/scenario`}
+            download={`${fileNameOf(run.label || run.id)}.json`}
+            title="Save the scenario of this run as a file"
+          >
             Scenario
           </a>
         </div>
@@ -200,7 +207,12 @@ const VERDICTS: readonly Column<Schemas["Verdict"]>[] = [
     numeric: true,
     cell: ({ time }) => fixed(time, 2),
   },
-  { id: "blame", title: "Fault", width: "260px", cell: (verdict) => blameWords(verdict) },
+  {
+    id: "blame",
+    title: "Fault",
+    width: "260px",
+    cell: (verdict) => blameWords(verdict, avoidableUntilOf(verdict)),
+  },
   {
     id: "message",
     title: "Finding",
