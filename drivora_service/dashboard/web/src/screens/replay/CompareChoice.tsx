@@ -1,32 +1,15 @@
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, body, type Schemas } from "../../api/client";
+import type { Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
-import { readPages } from "../../lists/readPages";
 import { lookOfRun } from "../runs/status";
-import { choicesOf, MOST_OFFERED } from "./compareChoices";
+import { choicesOf, MOST_OFFERED, pastedId } from "./compareChoices";
+import { recordedRuns } from "./recordedRuns";
+import { runQuery } from "./runQuery";
 import "./compare.css";
 
 type Summary = Schemas["RunSummary"];
-
-/** Pages of the newest runs that are looked through for recorded ones: campaigns keep few. */
-const MOST_PAGES = 8;
-
-/** Returns finished runs with a recording, the newest first: as many as are offered. */
-async function recorded(of: { readonly town?: string; readonly scenario_sha256?: string }) {
-  let pages = 0;
-  const { rows } = await readPages<Summary>(async (pageToken) => {
-    const query = { ...of, ...pageToken, status: ["finished" as const], limit: 200 };
-    const page = body(await api.GET("/api/v1/runs", { params: { query } }));
-    pages += 1;
-    return {
-      items: page.items.filter(({ trace_sha256 }) => trace_sha256 !== ""),
-      next_page_token: pages < MOST_PAGES ? page.next_page_token : "",
-    };
-  }, MOST_OFFERED);
-  return rows;
-}
 
 /** Chooses a run to compare with: those of the same scenario come first, however old they are. */
 export function CompareChoice({
@@ -37,34 +20,77 @@ export function CompareChoice({
   readonly put: (changes: { readonly with: string }) => void;
 }) {
   const [wanted, setWanted] = useState(false);
+  const [words, setWords] = useState("");
   const { scenario_sha256, town } = run;
-  const { data, isPending, error } = useQuery({
-    queryKey: ["run", "list", "to compare", town, scenario_sha256],
-    queryFn: async () => {
-      const [scenario, network] = await Promise.all([
-        scenario_sha256 ? recorded({ scenario_sha256 }) : [],
-        recorded({ town }),
-      ]);
-      return { scenario, network };
-    },
-    enabled: wanted,
+  const hasScenario = scenario_sha256 !== "";
+  const ofScenario = useQuery({
+    ...recordedRuns({ scenario_sha256 }),
+    enabled: wanted && hasScenario,
   });
-  const groups = data && choicesOf(run, data.scenario, data.network);
-  const choose = (one: Summary) => put({ with: one.id });
+  const ofNetwork = useQuery({ ...recordedRuns({ town }), enabled: wanted });
+  const isPending = (hasScenario && ofScenario.isPending) || ofNetwork.isPending;
+  const error = ofScenario.error ?? ofNetwork.error;
+  const pasted = pastedId(words);
+  const groups = choicesOf(
+    run,
+    ofScenario.data ?? [],
+    ofNetwork.data ?? [],
+    pasted === "" ? words : pasted,
+  );
+  const found = groups.scenario.length + groups.network.length;
+  const choose = (id: string) => put({ with: id });
   return (
     <details className="choice" onToggle={(event) => setWanted(event.currentTarget.open)}>
       <summary className="button">Compare…</summary>
       <div className="list">
+        <input
+          type="search"
+          aria-label="Find a run to compare with"
+          placeholder="Label or ADS, or the id of any run"
+          value={words}
+          onChange={(event) => setWords(event.target.value)}
+        />
         {isPending && wanted && <p className="quiet">Loading</p>}
         {error && <p role="alert">{error.message}</p>}
-        {groups && groups.scenario.length + groups.network.length === 0 && (
-          <p>No other recorded run on {town}.</p>
+        {!isPending && found === 0 && pasted === "" && (
+          <p>
+            {words.trim() === ""
+              ? `No other recorded run on ${town}.`
+              : `No other recorded run on ${town} has these words.`}
+          </p>
         )}
-        {groups && <Group title="Same scenario" runs={groups.scenario} onChoose={choose} />}
-        {groups && <Group title="Same network" runs={groups.network} onChoose={choose} />}
+        {!isPending && found === 0 && pasted !== "" && (
+          <Pasted id={pasted} run={run} onChoose={choose} />
+        )}
+        <Group title="Runs of this scenario" runs={groups.scenario} onChoose={choose} />
+        <Group title={`Other runs on ${town}`} runs={groups.network} onChoose={choose} />
       </div>
     </details>
   );
+}
+
+/** The run of an id that is in no list, or why it cannot be compared. */
+function Pasted({
+  id,
+  run,
+  onChoose,
+}: {
+  readonly id: string;
+  readonly run: Schemas["Run"];
+  readonly onChoose: (id: string) => void;
+}) {
+  const { data, error } = useQuery({ ...runQuery(id), retry: false });
+  if (id === run.id) return <p>This is the run that is shown.</p>;
+  if (error) return <p role="alert">{error.message}</p>;
+  if (!data) return <p className="quiet">Loading</p>;
+  if (data.town !== run.town)
+    return (
+      <p>
+        That run is on {data.town}, this one on {run.town}.
+      </p>
+    );
+  if (!data.trace_sha256) return <p>That run has no recording. Run it again from its page.</p>;
+  return <Group title="The run of this id" runs={[data]} onChoose={onChoose} />;
 }
 
 function Group({
@@ -74,14 +100,14 @@ function Group({
 }: {
   readonly title: string;
   readonly runs: readonly Summary[];
-  readonly onChoose: (run: Summary) => void;
+  readonly onChoose: (id: string) => void;
 }) {
   if (runs.length === 0) return null;
   return (
     <section aria-label={title}>
       <h3>{title}</h3>
-      {runs.map((one) => (
-        <button key={one.id} type="button" onClick={() => onChoose(one)} title={one.id}>
+      {runs.slice(0, MOST_OFFERED).map((one) => (
+        <button key={one.id} type="button" onClick={() => onChoose(one.id)} title={one.id}>
           <span>{one.label || one.id}</span>
           <Mark {...lookOfRun(one)} />
           <span className="quiet">
@@ -91,6 +117,9 @@ function Group({
           <span className="quiet">{moment(one.created_at)}</span>
         </button>
       ))}
+      {runs.length > MOST_OFFERED && (
+        <p className="quiet">And {runs.length - MOST_OFFERED} more: find them by their label.</p>
+      )}
     </section>
   );
 }

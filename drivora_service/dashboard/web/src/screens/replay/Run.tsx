@@ -13,9 +13,10 @@ import { minimizationOf } from "../minimizations/minimization";
 import { lookOfRun } from "../runs/status";
 import { againCommand } from "./againCommand";
 import { avoidableUntilOf } from "./avoidable";
+import { originOf } from "./compareChoices";
 import { Minimised, MinimizeRun } from "./MinimizeRun";
 import { Replay } from "./Replay";
-import { RunAgain } from "./RunAgain";
+import { Replays } from "./Replays";
 import { runQuery } from "./runQuery";
 import { blameWords, gravestFirst, oracleName, toneOf } from "./verdictWords";
 import "./replay.css";
@@ -74,8 +75,17 @@ export function Run() {
 /** Where a run comes from, and what else was run of its scenario. */
 function Origin({ run }: { readonly run: Schemas["Run"] }) {
   const minimization = minimizationOf(run.id);
+  const origin = originOf(run);
   return (
     <>
+      {origin && (
+        <>
+          {" · "}
+          <Link to="/runs/$runId" params={{ runId: origin }} search={{}}>
+            the run that it repeats
+          </Link>
+        </>
+      )}
       {" · "}
       {minimization ? (
         <Link to="/minimizations/$id" params={{ id: minimization }} search={{}}>
@@ -141,7 +151,7 @@ function NoRecording({ run }: { readonly run: Schemas["Run"] }) {
             Its verdicts are kept. Run again, it is recorded and can be seen; the command compares
             both runs as well.
           </p>
-          <RunAgain id={run.id} isMain />
+          <Replays run={run} />
         </Empty>
       </>
     );
@@ -153,7 +163,7 @@ function NoRecording({ run }: { readonly run: Schemas["Run"] }) {
       {run.cause && <p>{run.cause.replaceAll("_", " ")}</p>}
       {run.error && <p>{run.error.message}</p>}
       <p>A run like this neither passes nor fails. The command runs it again, too.</p>
-      <RunAgain id={run.id} isMain />
+      <Replays run={run} />
     </Empty>
   );
 }

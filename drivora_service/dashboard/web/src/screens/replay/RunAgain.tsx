@@ -2,6 +2,7 @@ import { useMutation } from "@tanstack/react-query";
 import { useNavigate } from "@tanstack/react-router";
 import { api, body } from "../../api/client";
 import { useScope } from "../../shell/session";
+import { repeatLabel } from "./compareChoices";
 
 /** Queues the scenario of a run again, with its agents and seed, and opens the new run. */
 export function RunAgain({
@@ -22,7 +23,7 @@ export function RunAgain({
       );
       return body(
         await api.POST("/api/v1/jobs", {
-          params: { query: { label: `replay of ${id}` } },
+          params: { query: { label: repeatLabel(id) } },
           body: scenario,
         }),
       );

@@ -1,9 +1,10 @@
 import { expect, it } from "vitest";
-import { choicesOf } from "./compareChoices";
+import { choicesOf, originOf, pastedId, repeatLabel } from "./compareChoices";
 
 const run = (id: string, scenario: string, label = "", trace = "t") => ({
   id,
   label,
+  agent: "idm",
   scenario_sha256: scenario,
   trace_sha256: trace,
 });
@@ -19,4 +20,30 @@ it("runs of the scenario come first, then those of the network, of the same name
     [mine, other, again, named],
   );
   expect(found).toEqual({ scenario: [again], network: [named, other] });
+});
+
+it("the run that is repeated comes first of its scenario", () => {
+  const origin = run("a-1", "s");
+  const mine = run("mine", "s", repeatLabel("a-1"));
+  expect(originOf(mine)).toBe("a-1");
+  expect(originOf(origin)).toBe("");
+  expect(choicesOf(mine, [run("b", "s"), origin], []).scenario[0]).toBe(origin);
+});
+
+it("runs are found by words of their label, their id or their ADS", () => {
+  const left = run("one", "x", "Left turn at a light");
+  const right = run("two", "y", "Right turn");
+  const found = (words: string) => choicesOf(run("mine", "s"), [], [left, right], words).network;
+  expect(found("turn left")).toEqual([left]);
+  expect(found("TWO")).toEqual([right]);
+  expect(found("idm")).toEqual([left, right]);
+  expect(found("none")).toEqual([]);
+});
+
+it("an id is found in what was pasted", () => {
+  const id = "01a21a7a73d2dfd3629586d5-1920";
+  expect(pastedId(` ${id} `)).toBe(id);
+  expect(pastedId(`http://localhost:8000/runs/${id}?t=3.7`)).toBe(id);
+  expect(pastedId("01a21b07556a68c3f5205e0e")).toBe("01a21b07556a68c3f5205e0e");
+  expect(pastedId("left turn")).toBe("");
 });

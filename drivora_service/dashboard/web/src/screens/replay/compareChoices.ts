@@ -1,25 +1,55 @@
 import type { Schemas } from "../../api/client";
 
-type Summary = Pick<Schemas["RunSummary"], "id" | "label" | "scenario_sha256" | "trace_sha256">;
+type Summary = Pick<
+  Schemas["RunSummary"],
+  "id" | "label" | "agent" | "scenario_sha256" | "trace_sha256"
+>;
 
 /** Runs of a group that are offered. */
 export const MOST_OFFERED = 30;
 
-/** Returns recorded runs to compare one with: of its scenario, and others of its network. */
+/**
+ * Returns recorded runs to compare one with: of its scenario, and others of its network, those
+ * first of which it is a replay, or which are named alike. `words` leaves those that have them in
+ * their id, their label or their ADS.
+ */
 export function choicesOf<Run extends Summary>(
   run: Summary,
   ofScenario: readonly Run[],
   ofNetwork: readonly Run[],
+  words = "",
 ): { readonly scenario: readonly Run[]; readonly network: readonly Run[] } {
-  const usable = (one: Run) => one.id !== run.id && one.trace_sha256 !== "";
-  const scenario = ofScenario.filter(usable);
+  const wanted = words.toLowerCase().split(/\s+/).filter(Boolean);
+  const usable = (one: Run) => {
+    const text = `${one.id} ${one.label} ${one.agent}`.toLowerCase();
+    return (
+      one.id !== run.id && one.trace_sha256 !== "" && wanted.every((word) => text.includes(word))
+    );
+  };
+  const origin = originOf(run);
+  const near = ({ id, label }: Run) =>
+    id === origin ? 2 : Number(run.label !== "" && label === run.label);
+  const scenario = ofScenario.filter(usable).sort((a, b) => near(b) - near(a));
   const same = new Set(scenario.map(({ id }) => id));
-  const likeNamed = ({ label }: Run) => Number(run.label !== "" && label === run.label);
   return {
-    scenario: scenario.slice(0, MOST_OFFERED),
+    scenario,
     network: ofNetwork
       .filter((one) => usable(one) && !same.has(one.id))
-      .sort((a, b) => likeNamed(b) - likeNamed(a))
-      .slice(0, MOST_OFFERED),
+      .sort((a, b) => near(b) - near(a)),
   };
+}
+
+/** Returns the id of the run that a run repeats, by its label; empty for none. */
+export function originOf({ label }: Pick<Summary, "label">): string {
+  return /^replay of (\S+)$/.exec(label)?.[1] ?? "";
+}
+
+/** Returns the label of a run that repeats another. */
+export function repeatLabel(id: string): string {
+  return `replay of ${id}`;
+}
+
+/** Returns the id of a run in what was pasted, an id or the address of its page; empty for none. */
+export function pastedId(text: string): string {
+  return /(?:^|\/runs\/)([\da-f]{24}(?:-\d+)?)(?:[?#].*)?$/i.exec(text.trim())?.[1] ?? "";
 }
