@@ -70,7 +70,7 @@ it("a suite that CI ran says why its gate failed, and what changed since", async
     expect(await heads.nth(place).innerText()).toMatch(
       new RegExp(`^${driver}\\s+(\\d\\d-\\d\\d )?\\d\\d:\\d\\d`),
     );
-    const choice = page.getByLabel(place === 0 ? "Old" : "New", { exact: true });
+    const choice = page.getByLabel(place === 0 ? "Old run" : "New run");
     expect(await choice.locator("option:checked").innerText()).toContain(`${driver}, `);
   }
   const heading = page.locator('section[aria-label="Old against new"] h2');

@@ -166,7 +166,11 @@ function RunChoice({
   return (
     <label>
       {title}{" "}
-      <select value={history.runs[value]?.id} onChange={(event) => onChoose(event.target.value)}>
+      <select
+        aria-label={`${title} run`}
+        value={history.runs[value]?.id}
+        onChange={(event) => onChoose(event.target.value)}
+      >
         {places.toReversed().map((place) => (
           <option key={history.runs[place]?.id} value={history.runs[place]?.id}>
             {names[place]?.whole}
