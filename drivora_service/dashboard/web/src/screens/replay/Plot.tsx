@@ -4,7 +4,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { useTheme } from "../../shell/theme";
 import type { Clock } from "./clock";
-import type { Range } from "./timeScale";
+import { type Range, valueTicks } from "./timeScale";
 
 export interface Line {
   readonly name: string;
@@ -29,6 +29,8 @@ export interface PlotProps {
 
 const HEIGHT = 112;
 const AXIS = 34;
+/** Labelled values of an axis, about. */
+const MOST_TICKS = 4;
 
 /** Values over the time of a run: a click goes to a time, dragging comes nearer. */
 export function Plot({ label, time, lines, left, right, clock, range, onRange }: PlotProps) {
@@ -67,7 +69,7 @@ export function Plot({ label, time, lines, left, right, clock, range, onRange }:
         },
         axes: [
           { ...axis, size: 20, gap: 2 },
-          { ...axis, size: AXIS, gap: 3, space: 22 },
+          { ...axis, size: AXIS, gap: 3, splits: valuesOf },
           ...(two
             ? [
                 {
@@ -76,7 +78,7 @@ export function Plot({ label, time, lines, left, right, clock, range, onRange }:
                   side: 1 as const,
                   size: AXIS,
                   gap: 3,
-                  space: 22,
+                  splits: valuesOf,
                   grid: { show: false },
                 },
               ]
@@ -153,6 +155,11 @@ function bounds(fixed: readonly [number, number] | undefined): uPlot.Scale {
       return [min >= 0 ? 0 : min - margin, max + margin];
     },
   };
+}
+
+/** Returns the labelled values of an axis. */
+function valuesOf(_: uPlot, __: number, low: number, high: number): number[] {
+  return [...valueTicks(low, high, MOST_TICKS)];
 }
 
 /** Returns values with gaps where they are missing. */

@@ -10,6 +10,9 @@ import "./timeline.css";
 const ROW_PX = 20;
 const MARK_PX = 19;
 
+/** Which of the marks of one moment stays at its place. */
+const WEIGHTS = { bad: 2, lost: 1, quiet: 0 } as const;
+
 /** The run's time from left to right: a click goes there, the wheel comes nearer. */
 export function TimeLine({
   clock,
@@ -82,11 +85,17 @@ export function TimeLine({
   const seconds = (step: number) => step * recording.stepLength;
   const violations = timeline?.violations ?? [];
   const seats = seatsOf(
-    violations.map(({ first, ego }) => ({ row: ego, time: first === null ? -1 : seconds(first) })),
+    violations.map((violation) => ({
+      row: violation.ego,
+      time: violation.first === null ? -1 : seconds(violation.first),
+      weight: WEIGHTS[toneOf(violation)],
+    })),
     (MARK_PX * (range.to - range.from)) / (track.current?.clientWidth ?? 1000),
   );
   const across = (time: number) => `${(100 * time) / (range.to - range.from)}%`;
   const inside = (time: number) => time >= range.from - 1e-6 && time <= range.to + 1e-6;
+  const withRisk = violations.find(({ risk_perceived }) => risk_perceived !== null);
+  const withUntil = violations.find(({ avoidable_until }) => avoidable_until !== null);
   const egos = recording.actors.slice(0, recording.egos);
   return (
     <div className="timeline panel whole-width">
@@ -177,7 +186,7 @@ export function TimeLine({
                 <span
                   className="risk"
                   data-tone={toneOf(violation)}
-                  title={`A careful driver perceives the risk from ${seconds(risk).toFixed(2)} s on`}
+                  title={`${oracleName(violation.oracle)}: a careful driver perceives the risk from ${seconds(risk).toFixed(2)} s on`}
                   style={{ top, left: share(seconds(risk)), width: across(seconds(first - risk)) }}
                 />
               )}
@@ -193,6 +202,13 @@ export function TimeLine({
                 >
                   ⟩
                 </button>
+              )}
+              {inside(seconds(first)) && time < seconds(first) && (
+                <span
+                  className="moved"
+                  data-tone={toneOf(violation)}
+                  style={{ top, left: share(time), width: across(seconds(first) - time) }}
+                />
               )}
               {inside(seconds(first)) && (
                 <button
@@ -220,6 +236,27 @@ export function TimeLine({
           aria-valuenow={Number(clock.time.toFixed(2))}
         />
       </div>
+      <p className="legend">
+        {violations.length > 0 && (
+          <span>
+            <i className="verdict" /> violation, with its number on the map
+          </span>
+        )}
+        {withRisk && (
+          <span>
+            <i className="risk" data-tone={toneOf(withRisk)} /> a careful driver perceives the risk
+          </span>
+        )}
+        {withUntil && (
+          <span>
+            <i className="until" data-tone={toneOf(withUntil)} data-avoidable={withUntil.avoidable}>
+              ⟩
+            </i>{" "}
+            last moment to avoid it
+          </span>
+        )}
+        {timeline && violations.length === 0 && <span>No violation. A click goes to a time.</span>}
+      </p>
     </div>
   );
 }

@@ -1,5 +1,14 @@
 import { expect, it } from "vitest";
-import { holding, isPart, seatsOf, shifted, ticks, withinRun, zoomRange } from "./timeScale";
+import {
+  holding,
+  isPart,
+  seatsOf,
+  shifted,
+  ticks,
+  valueTicks,
+  withinRun,
+  zoomRange,
+} from "./timeScale";
 
 it("a range comes nearer around a time, and stays within the run", () => {
   expect(zoomRange({ from: 0, to: 20 }, 5, 2, 20)).toEqual({ from: 2.5, to: 12.5 });
@@ -41,4 +50,25 @@ it("marks of a row do not cover each other", () => {
     { row: "b", time: 8.5 },
   ];
   expect(seatsOf(marks, 0.5)).toEqual([2, 8, 8.5, 8.5]);
+});
+it("the gravest of the marks of one moment stays there", () => {
+  const marks = [
+    { row: "a", time: 8.25, weight: 2 },
+    { row: "a", time: 8.25, weight: 1 },
+  ];
+  expect(seatsOf(marks, 0.5)).toEqual([8.25, 7.75]);
+});
+it("an axis has at least two labelled values", () => {
+  // The acceleration of a run on a wet motorway, with the grip around it.
+  expect(valueTicks(-4.9, 4.9, 4)).toEqual([-4, -2, 0, 2, 4]);
+  expect(valueTicks(-9.9, 9.9, 4)).toEqual([-5, 0, 5]);
+  expect(valueTicks(0, 10, 4)).toEqual([0, 5, 10]);
+  expect(valueTicks(0, 1, 4)).toEqual([0, 0.5, 1]);
+  for (let low = -20; low <= 5; low += 0.37)
+    for (let high = low + 0.11; high < low + 60; high *= high > 1 ? 1.09 : 1, high += 0.31) {
+      const found = valueTicks(low, high, 4);
+      expect(found.length).toBeGreaterThanOrEqual(2);
+      expect(found.length).toBeLessThanOrEqual(7);
+      expect(found.every((value) => value >= low - 1e-6 && value <= high + 1e-6)).toBe(true);
+    }
 });

@@ -60,14 +60,43 @@ export function ticks(range: Range, count: number): readonly number[] {
   return found;
 }
 
-/** Returns times for marks that would cover each other: of one row, each at least `apart` on. */
+/**
+ * Returns round values between two bounds for the labels of an axis: at least two of them, and
+ * about as many as `most` at most.
+ */
+export function valueTicks(low: number, high: number, most: number): readonly number[] {
+  let finer: readonly number[] = [];
+  const power = Math.floor(Math.log10((high - low) / Math.max(most, 2))) - 1;
+  for (let place = 0; place < 12; place++) {
+    const size = ([1, 2, 5][place % 3] ?? 1) * 10 ** (power + Math.floor(place / 3));
+    const first = Math.ceil(low / size - 1e-9);
+    const last = Math.floor(high / size + 1e-9);
+    const count = Math.max(last - first + 1, 0);
+    if (count > 40) continue;
+    // One value says nothing of the scale.
+    if (count < 2) return finer;
+    finer = Array.from({ length: count }, (_, k) => Number(((first + k) * size).toPrecision(12)));
+    if (count <= most) return finer;
+  }
+  return finer;
+}
+
+/**
+ * Returns times for marks that would cover each other: of one row, each at least `apart` on. Of
+ * those of one moment the one of the greatest weight stays there.
+ */
 export function seatsOf(
-  marks: readonly { readonly row: string; readonly time: number }[],
+  marks: readonly { readonly row: string; readonly time: number; readonly weight?: number }[],
   apart: number,
 ): readonly number[] {
   const free = new Map<string, number>();
   const seats = marks.map(({ time }) => time);
-  const order = marks.map((_, place) => place).sort((a, b) => seat(marks, b) - seat(marks, a));
+  const weight = (place: number) => marks[place]?.weight ?? 0;
+  const order = marks
+    .map((_, place) => place)
+    .sort(
+      (a, b) => (marks[b]?.time ?? 0) - (marks[a]?.time ?? 0) || weight(b) - weight(a) || b - a,
+    );
   // From the end back, so that no mark is moved beyond the end of the run.
   for (const place of order) {
     const mark = marks[place];
@@ -77,8 +106,4 @@ export function seatsOf(
     free.set(mark.row, at - apart);
   }
   return seats;
-}
-
-function seat(marks: readonly { readonly time: number }[], place: number): number {
-  return (marks[place]?.time ?? 0) + 1e-9 * place;
 }
