@@ -89,6 +89,7 @@ interface Told {
   readonly violations: number;
   readonly observations: number;
   readonly simulation_sha256?: string;
+  readonly trace_sha256?: string;
 }
 
 it("a long replay opens where its ego is, goes with it, and shows the whole run by a key", async () => {
@@ -161,6 +162,63 @@ it("a passed candidate of a campaign is run again from its page, recorded and th
   );
   expect(after?.label).toBe(`replay of ${id}`);
   expect(after?.simulation_sha256).toBe(before?.simulation_sha256);
+
+  // Either leads to the other; the first offers its replay before another run.
+  await page.getByRole("link", { name: "the run that it repeats" }).click();
+  await page.getByText("Its replays:").waitFor();
+  await page.getByRole("link", { name: `replay of ${id}` }).click();
+  await page.waitForURL(({ pathname }) => pathname === `/runs/${again}`);
+  await page.locator(".controls .time").waitFor();
+
+  // A run that has no recording cannot be compared with, and another is found by its id.
+  await page.getByText("Compare…").click();
+  const find = page.getByRole("searchbox", { name: "Find a run to compare with" });
+  await find.fill(id);
+  await page.getByText("That run has no recording").waitFor();
+  const listed = await api.get<{ items: Told[] }>(
+    `/runs?town=${after?.town}&status=finished&limit=200`,
+  );
+  const recorded = listed.items.find((run) => run.trace_sha256 !== "" && run.id !== again);
+  if (!recorded) throw new Error("no other run of the network is recorded");
+  await find.fill(`${url}/runs/${recorded.id}`);
+  await page.locator(".choice .list").getByTitle(recorded.id).click();
+  await page.locator(".compare-line").waitFor();
+  expect(new URL(page.url()).searchParams.get("with")).toBe(recorded.id);
+  expect(complaints).toEqual([]);
+  await context.close();
+});
+
+it("the gravest mark of the time line is at its moment, keeps its colour, and is explained", async () => {
+  const { violations } = await api.get<{
+    violations: { number: number; first: number | null; at_fault: boolean | null }[];
+  }>(`/runs/${made.run}/timeline`);
+  const gravest = violations.find(({ at_fault, first }) => at_fault && first !== null);
+  if (!gravest) throw new Error("no violation of the run is the fault of an ego");
+  const { page, context, complaints } = await open(browser, `${url}/runs/${made.run}`);
+  const mark = page
+    .locator(".timeline button.verdict")
+    .getByText(String(gravest.number), { exact: true });
+  await mark.waitFor();
+  const [box, track] = await Promise.all([
+    mark.boundingBox(),
+    page.locator(".timeline .track").boundingBox(),
+  ]);
+  if (!box || !track) throw new Error("the time line is not drawn");
+  const title = (await mark.getAttribute("title")) ?? "";
+  const end = Number(/of ([\d.]+) s/.exec(await page.locator(".controls").innerText())?.[1]);
+  const time = Number(/at ([\d.]+) s:/.exec(title)?.[1]);
+  expect(Math.abs(box.x + box.width / 2 - track.x - (time / end) * track.width)).toBeLessThan(1.5);
+  const colours = () =>
+    mark.evaluate((element) => {
+      const { color, backgroundColor } = getComputedStyle(element);
+      return [color, backgroundColor];
+    });
+  const [ink, ground] = await colours();
+  await mark.hover();
+  expect((await colours())[0]).toBe(ink);
+  expect((await colours())[1]).not.toBe(ink);
+  expect(ground).not.toBe(ink);
+  await page.locator(".timeline .legend").getByText("violation, with its number").waitFor();
   expect(complaints).toEqual([]);
   await context.close();
 });

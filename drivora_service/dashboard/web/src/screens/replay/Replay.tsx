@@ -250,7 +250,7 @@ function Player({
         )}
       </div>
       <aside className="beside">
-        <section className="panel" aria-label="Ego">
+        <section className="panel ego" aria-label="Ego">
           <header>
             <h2>
               <span className="actor" data-role="ego">

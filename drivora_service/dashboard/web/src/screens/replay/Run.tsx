@@ -31,7 +31,7 @@ export function Run() {
   return (
     <>
       <div className="head run-head">
-        <h1>{run.label || run.id}</h1>
+        <h1 title={run.label || run.id}>{run.label || run.id}</h1>
         <Mark {...lookOfRun(run)} />
         <p className="answer">
           {run.agent} on{" "}
@@ -43,11 +43,15 @@ export function Run() {
         <div className="actions">
           <MinimizeRun run={run} />
           <SearchFrom search={{ run: run.id }} />
-          <Copy text={run.id} label="Copy the id" />
-          <Copy
-            text={againCommand(run, window.location.origin)}
-            label="Copy the command that runs it again"
-          />
+          <span className="copies-id">
+            <Copy text={run.id} label="Copy the id" />
+          </span>
+          <span className="copies-command">
+            <Copy
+              text={againCommand(run, window.location.origin)}
+              label="Copy the command that runs it again"
+            />
+          </span>
           <Link
             to="/author"
             search={{ run: run.id }}
