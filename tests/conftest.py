@@ -18,6 +18,7 @@ from drivora_service.networks.catalogue import NetworkCatalogue, shipped_network
 from drivora_service.store.database import open_database
 from drivora_service.worker.integrity import judging_code
 from tests.forked_service import forked_service
+from tests.postgresql_server import PostgresqlServer, postgresql_server
 
 # Machines differ in speed: a test fails for what it finds, not for how long it took to find it.
 hypothesis.settings.register_profile(
@@ -44,7 +45,8 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     """
     if config.option.markexpr != "slow" or not collection_path.match("test_*.py"):
         return None
-    return "mark.slow" not in collection_path.read_text() or None
+    text = collection_path.read_text()
+    return not ("mark.slow" in text or "slow_on_postgresql" in text) or None
 
 
 _LONG_S = 20.0
@@ -141,6 +143,13 @@ def empty_database(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("database") / "drivora.sqlite3"
     open_database(f"sqlite:///{path}").close()
     return path
+
+
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[PostgresqlServer]:
+    """A PostgreSQL server of this process of the tests, started when it is first needed."""
+    with postgresql_server() as server:
+        yield server
 
 
 @pytest.fixture(scope="session")

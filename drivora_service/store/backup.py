@@ -49,7 +49,10 @@ def back_up(
             SQLite's, which has tools of its own.
     """
     if database.engine.dialect.name != "sqlite" or database.engine.url.database is None:
-        raise StoreError("only SQLite databases are backed up here; use your database's own tool")
+        raise StoreError(
+            "only SQLite databases are backed up here; back up PostgreSQL with pg_dump, and copy "
+            "the folders traces and campaigns after it"
+        )
     if target.exists() and any(target.iterdir()):
         raise StoreError(f"{target} is not empty; a backup needs a folder of its own")
     try:

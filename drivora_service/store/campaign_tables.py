@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import ColumnElement, ForeignKey, Index, Integer, String, Text, false, text
+from sqlalchemy import ColumnElement, ForeignKey, Index, String, Text, false, text
 from sqlalchemy.orm import InstrumentedAttribute, Mapped, mapped_column
 
 from drivora_service.store.tables import Base
@@ -25,7 +25,7 @@ class CampaignRow(Base):
         Index("ix_campaigns_batch", "batch_id", sqlite_where=text("batch_id != ''")),
     )
 
-    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True)
     id: Mapped[str] = mapped_column(String(40), unique=True)
     name: Mapped[str] = mapped_column(String(200))
     document: Mapped[str] = mapped_column(Text)
@@ -67,7 +67,7 @@ class StudyRow(Base):
 
     __tablename__ = "studies"
 
-    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True)
     id: Mapped[str] = mapped_column(String(40), unique=True)
     name: Mapped[str] = mapped_column(String(200))
     document: Mapped[str] = mapped_column(Text)

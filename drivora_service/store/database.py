@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import sqlite3
+import re
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
-from sqlalchemy import Connection, Engine, create_engine, event, text
+from sqlalchemy import Engine, event, text
 from sqlalchemy.engine import URL, make_url
-from sqlalchemy.exc import ArgumentError, OperationalError, SQLAlchemyError
-from sqlalchemy.exc import TimeoutError as PoolTimeoutError
+from sqlalchemy.exc import ArgumentError
 from sqlalchemy.orm import Session, sessionmaker
 
 from drivora_service.errors import StoreError, StoreUnavailable
@@ -36,16 +34,21 @@ from drivora_service.store.jobs import JobRepository
 from drivora_service.store.migration import migrate
 from drivora_service.store.minimizations import MinimizationRepository
 from drivora_service.store.network_use import NetworkUse, network_use
+from drivora_service.store.postgresql import lock_writing, postgresql_engine, reading_options
 from drivora_service.store.quarantine import QuarantineRepository
 from drivora_service.store.queue import QueueRepository
 from drivora_service.store.results import ResultRepository
-from drivora_service.store.revisions import lock_count, revise
+from drivora_service.store.revisions import revise
+from drivora_service.store.sqlite import sqlite_engine
+from drivora_service.store.store_errors import store_errors
 from drivora_service.store.studies import StudyRepository
 from drivora_service.store.suite_runs import SuiteRunRepository
 from drivora_service.store.workers import WorkerRepository
 
 PATIENCE_S = 30.0
 """Default of the seconds to wait for other writers."""
+
+_ADDRESSES = "use sqlite:///FILE or postgresql+psycopg://USER:PASSWORD@HOST:PORT/DATABASE"
 
 _POLL_S, _STUCK_S, _MOST_WAITING = 0.25, 1.0, 6
 """Seconds after which a thread that waits to write checks whether the current write takes too long;
@@ -173,14 +176,16 @@ class Database:
     def __init__(self, engine: Engine, *, patience_s: float = PATIENCE_S) -> None:
         self.engine = engine
         self.changes = ChangeCounter(engine)
-        # SQLite has one writer. Waiting for this lock is fair and prompt, while SQLite's own
-        # waiting sleeps and tries again.
-        self._writing = threading.Lock() if engine.dialect.name == "sqlite" else None
+        self._is_postgresql = engine.dialect.name == "postgresql"
+        # A database has one writer. Waiting for this lock is fair and prompt, while SQLite's own
+        # waiting sleeps and tries again, and PostgreSQL's takes a connection.
+        self._writing = threading.Lock()
         self._patience_s = patience_s
         self._counting = threading.Lock()
         self._waiting = 0
         self._writing_since = 0.0
-        self._readers = sessionmaker(engine, expire_on_commit=False)
+        reading = reading_options() if self._is_postgresql else {}
+        self._readers = sessionmaker(engine.execution_options(**reading), expire_on_commit=False)
         self._writers = sessionmaker(
             engine.execution_options(drivora_writes=True), expire_on_commit=False
         )
@@ -194,7 +199,7 @@ class Database:
         Raises:
             StoreError: The database cannot be used.
         """
-        with _store_errors(), self._readers() as session:
+        with store_errors(), self._readers() as session:
             yield Transaction(session)
 
     @contextmanager
@@ -207,12 +212,12 @@ class Database:
         """
         with (
             self._turn_to_write(),
-            _store_errors(),
+            store_errors(),
             self._writers() as session,
             session.begin(),
         ):
-            if self._writing is None:
-                lock_count(session)
+            if self._is_postgresql:
+                lock_writing(session)
             yield Transaction(session)
 
     def probe(self) -> None:
@@ -234,10 +239,7 @@ class Database:
         Else every thread of the service could end up waiting here while another process has locked
         the database, and none would be left for reading.
         """
-        if self._writing is None:
-            yield
-            return
-        if not self._acquired(self._writing):
+        if not self._acquired():
             raise StoreUnavailable("the database is busy with other writes; try again")
         self._writing_since = time.monotonic()
         try:
@@ -245,14 +247,14 @@ class Database:
         finally:
             self._writing.release()
 
-    def _acquired(self, writing: threading.Lock) -> bool:
+    def _acquired(self) -> bool:
         """Waits for the lock; gives up early if many threads wait for a stuck writer."""
         until = time.monotonic() + self._patience_s
         with self._counting:
             self._waiting += 1
         try:
             while (left := until - time.monotonic()) > 0:
-                if writing.acquire(timeout=min(left, _POLL_S)):
+                if self._writing.acquire(timeout=min(left, _POLL_S)):
                     return True
                 stuck = time.monotonic() - self._writing_since > _STUCK_S
                 if stuck and self._waiting > _MOST_WAITING:
@@ -287,7 +289,8 @@ def open_database(
     """Opens a database, makes it if it does not exist, and migrates it to this version.
 
     Args:
-        url: SQLAlchemy address, such as ``sqlite:////var/lib/drivora/drivora.sqlite3``.
+        url: SQLAlchemy address, such as ``sqlite:////var/lib/drivora/drivora.sqlite3`` or
+            ``postgresql+psycopg://drivora:secret@db.example/drivora``.
         patience_s: Seconds to wait for other writing threads, and as long again for other
             processes.
         before_migration: Called before a database of an older version is migrated; raises to
@@ -300,11 +303,9 @@ def open_database(
     file = database_file(url)
     if file is not None:
         make_data_folder(file.parent)
-    with _store_errors():
-        engine = create_engine(parsed, pool_size=16, max_overflow=48)
-        if engine.dialect.name == "sqlite":
-            event.listen(engine, "connect", partial(_configure_sqlite, patience_s))
-            event.listen(engine, "begin", _begin_sqlite)
+    make_engine = postgresql_engine if file is None else sqlite_engine
+    with store_errors():
+        engine = make_engine(parsed, patience_s=patience_s)
         try:
             migrate(engine, before_migration=before_migration)
         except BaseException:
@@ -331,59 +332,18 @@ def make_data_folder(folder: Path) -> None:
 def _parsed(url: str) -> URL:
     try:
         parsed = make_url(url)
-    except ArgumentError as error:
-        raise StoreError(f"{url!r} is no database address: {error}") from error
-    if parsed.get_backend_name() == "sqlite" and parsed.database in (None, "", ":memory:"):
+    except (ArgumentError, ValueError):
+        # Without the cause, which quotes the address with its password.
+        raise StoreError(
+            f"{_without_password(url)!r} is no database address; {_ADDRESSES}"
+        ) from None
+    backend = parsed.get_backend_name() if parsed.drivername else ""
+    if backend == "sqlite" and parsed.database in (None, "", ":memory:"):
         raise StoreError("a database in memory cannot be shared by threads; give a file")
+    if backend not in ("sqlite", "postgresql", "postgres"):
+        raise StoreError(f"databases of {parsed.drivername!r} are not supported; {_ADDRESSES}")
     return parsed
 
 
-def _configure_sqlite(patience_s: float, connection: sqlite3.Connection, _record: object) -> None:
-    # sqlite3 itself would begin transactions too late for consistent reads.
-    connection.isolation_level = None
-    cursor = connection.cursor()
-    try:
-        # Before the first write, else only a rewritten file could shrink; later it is a write, for
-        # which a reader must not wait.
-        if cursor.execute("PRAGMA page_count").fetchone() == (0,):
-            cursor.execute("PRAGMA auto_vacuum = INCREMENTAL")
-        cursor.execute("PRAGMA journal_mode = WAL")
-        # FULL: what was answered with 202 also survives a loss of power.
-        cursor.execute("PRAGMA synchronous = FULL")
-        cursor.execute("PRAGMA foreign_keys = ON")
-        cursor.execute(f"PRAGMA busy_timeout = {round(1000 * patience_s)}")
-        cursor.execute("PRAGMA cache_size = -65536")
-    except sqlite3.Error:
-        # The pool does not own the connection yet, so nothing else would close it.
-        connection.close()
-        raise
-    cursor.close()
-
-
-def _begin_sqlite(connection: Connection) -> None:
-    # A transaction that reads first and writes later would fail if another wrote in between.
-    writes = connection.get_execution_options().get("drivora_writes", False)
-    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
-
-
-@contextmanager
-def _store_errors() -> Iterator[None]:
-    try:
-        yield
-    except SQLAlchemyError as error:
-        if _passes(error):
-            raise StoreUnavailable(f"the database cannot be used now: {_reason(error)}") from error
-        raise StoreError(f"the database cannot be used: {error}") from error
-
-
-def _passes(error: SQLAlchemyError) -> bool:
-    """Returns whether an error is due to the storage or to concurrent users of the database."""
-    if not isinstance(error, OperationalError):
-        return isinstance(error, PoolTimeoutError)
-    # SQLite reports a wrong statement by the same class, as plain SQLITE_ERROR.
-    return getattr(error.orig, "sqlite_errorname", "") != "SQLITE_ERROR"
-
-
-def _reason(error: SQLAlchemyError) -> str:
-    """Returns the driver's message, without the statement and its values."""
-    return str(error.orig) if isinstance(error, OperationalError) else str(error)
+def _without_password(url: str) -> str:
+    return re.sub(r"(?<=//)[^/]*@|(?<=[?&])(password|sslpassword)=[^&]*", "…@", url)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sqlalchemy import BigInteger, Boolean, ForeignKey, Integer, String
+from sqlalchemy import BigInteger, Boolean, ForeignKey, String
 from sqlalchemy.orm import Mapped, mapped_column
 
 from drivora_service.store.tables import Base
@@ -19,7 +19,7 @@ class FacetRow(Base):
     status: Mapped[str] = mapped_column(String(24))
     violated: Mapped[bool | None] = mapped_column(Boolean)
     accountability: Mapped[str | None] = mapped_column(String(16))
-    runs: Mapped[int] = mapped_column(Integer, default=0)
+    runs: Mapped[int] = mapped_column(default=0)
 
 
 class BatchFacetRow(Base):
@@ -31,4 +31,4 @@ class BatchFacetRow(Base):
         ForeignKey("batches.seq", ondelete="CASCADE"), primary_key=True, autoincrement=False
     )
     facet: Mapped[int] = mapped_column(BigInteger, primary_key=True, autoincrement=False)
-    runs: Mapped[int] = mapped_column(Integer, default=0)
+    runs: Mapped[int] = mapped_column(default=0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import ForeignKey, Index, Integer, String, text
+from sqlalchemy import ForeignKey, Index, String, text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from drivora_service.store.tables import Base
@@ -40,7 +40,7 @@ class FoundRow(Base):
         ),
     )
 
-    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True)
     found_at: Mapped[datetime]
     campaign_seq: Mapped[int | None] = mapped_column(
         ForeignKey("campaigns.seq", ondelete="CASCADE")

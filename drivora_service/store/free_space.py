@@ -7,6 +7,7 @@ from contextlib import closing
 
 from sqlalchemy import text
 
+from drivora_service.errors import StoreError
 from drivora_service.store.database import Database
 
 _PAGES = 100
@@ -39,14 +40,29 @@ def return_free_space(database: Database) -> int:
     return int(free * page_bytes)
 
 
+def refuse_rewriting(database: Database) -> None:
+    """Refuses to rewrite what is no file.
+
+    Raises:
+        StoreError: The database is not SQLite's.
+    """
+    if database.engine.dialect.name != "sqlite":
+        raise StoreError(
+            "only SQLite databases are rewritten here; PostgreSQL uses free space again by itself, "
+            "and returns it to the file system with VACUUM FULL"
+        )
+
+
 def rewrite_database(database: Database) -> None:
     """Rewrites a SQLite file without free pages, so that it can shrink from now on.
 
     Needs as much free space as the database takes; other processes can read and not write
     meanwhile.
+
+    Raises:
+        StoreError: The database is not SQLite's.
     """
-    if database.engine.dialect.name != "sqlite":
-        return
+    refuse_rewriting(database)
     with closing(database.engine.raw_connection()) as connection:
         # Not through SQLAlchemy, which would begin a transaction.
         cursor = connection.cursor()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sqlalchemy import ColumnElement, func, literal, select
+from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
 
 from drivora_service.store.found_tables import FoundRow
@@ -82,6 +82,6 @@ def all_names(session: Session) -> tuple[str, ...]:
     following = (
         select(func.min(FoundRow.group)).where(FoundRow.group > first.c.name).scalar_subquery()
     )
-    names = first.union_all(select(following).where(first.c.name.is_not(literal(None))))
+    names = first.union_all(select(following).where(first.c.name.is_not(None)))
     found = session.scalars(select(names.c.name))
     return tuple(name for name in found if name is not None)

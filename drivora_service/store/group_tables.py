@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import ForeignKey, Index, Integer, String, Text
+from sqlalchemy import ForeignKey, Index, String, Text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from drivora_service.store.tables import Base
@@ -20,7 +20,7 @@ class FailureGroupRow(Base):
 
     __tablename__ = "failure_groups"
 
-    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True)
     id: Mapped[str] = mapped_column(String(40), unique=True)
     label: Mapped[str] = mapped_column(String(200), default="")
     status: Mapped[str] = mapped_column(String(16))
@@ -52,7 +52,7 @@ class FailureGroupChangeRow(Base):
     __tablename__ = "failure_group_changes"
     __table_args__ = (Index("ix_failure_group_changes_group", "group_seq", "seq"),)
 
-    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True)
     group_seq: Mapped[int] = mapped_column(ForeignKey("failure_groups.seq", ondelete="CASCADE"))
     changed_at: Mapped[datetime]
     changed_by: Mapped[str] = mapped_column(String(250))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import Index, Integer, String, Text, text
+from sqlalchemy import Index, String, Text, text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from drivora_service.store.tables import Base
@@ -28,7 +28,7 @@ class MinimizationRow(Base):
         ),
     )
 
-    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True)
     id: Mapped[str] = mapped_column(String(40), unique=True)
     run_id: Mapped[str] = mapped_column(String(40))
     batch_id: Mapped[str] = mapped_column(String(40))

@@ -82,14 +82,6 @@ def next_revisions(session: Session, number: int) -> int:
     return last - number + 1
 
 
-def lock_count(session: Session) -> None:
-    """Makes other writers wait until this transaction ends; SQLite has one writer anyway.
-
-    Else two transactions could each hold what the other waits for: the count, and a row.
-    """
-    session.connection().execute(_latest().with_for_update())
-
-
 def latest_position(session: Session) -> Position:
     """Returns the position of the newest change."""
     row = session.connection().execute(_latest()).one()

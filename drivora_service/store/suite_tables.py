@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import ForeignKey, Index, Integer, String, Text
+from sqlalchemy import ForeignKey, Index, String, Text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from drivora_service.store.tables import Base
@@ -19,7 +19,7 @@ class SuiteRunRow(Base):
     __tablename__ = "suite_runs"
     __table_args__ = (Index("ix_suite_runs_suite", "suite", "seq"),)
 
-    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True)
     id: Mapped[str] = mapped_column(String(40), unique=True)
     suite: Mapped[str] = mapped_column(String(200))
     agent: Mapped[str] = mapped_column(String(200))

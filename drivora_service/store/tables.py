@@ -26,6 +26,9 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column, relationship
 
+INTEGER = BigInteger().with_variant(Integer(), "sqlite")
+"""Integers of 64 bits. SQLite has no others, and gives numbers only to keys called ``INTEGER``."""
+
 
 class UtcDateTime(TypeDecorator[datetime]):
     """Aware datetimes in UTC, also in databases without time zones."""
@@ -56,7 +59,7 @@ class Base(DeclarativeBase):
             "pk": "pk_%(table_name)s",
         }
     )
-    type_annotation_map = {datetime: UtcDateTime}  # noqa: RUF012 # SQLAlchemy's own spelling
+    type_annotation_map = {datetime: UtcDateTime, int: INTEGER}  # noqa: RUF012 # SQLAlchemy's own spelling
 
 
 class DocumentRow(Base):
@@ -92,7 +95,7 @@ class BatchRow(Base):
         Index("ix_batches_priority", "priority", "seq"),
     )
 
-    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True)
     id: Mapped[str] = mapped_column(String(40), unique=True)
     name: Mapped[str] = mapped_column(String(200))
     priority: Mapped[int]
@@ -138,7 +141,7 @@ class RunRow(Base):
         ),
     )
 
-    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True)
     id: Mapped[str] = mapped_column(String(40), unique=True)
     revision: Mapped[int] = mapped_column(index=True)
     batch_seq: Mapped[int] = mapped_column(ForeignKey("batches.seq"))
@@ -212,7 +215,7 @@ class VerdictRow(Base):
         Index("ix_verdicts_run_seq", "run_seq"),
     )
 
-    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True)
     run_seq: Mapped[int] = mapped_column(ForeignKey("runs.seq", ondelete="CASCADE"))
     oracle: Mapped[str] = mapped_column(String(60))
     ego: Mapped[str] = mapped_column(String(200))
@@ -311,7 +314,7 @@ class EpochRow(Base):
 
     __tablename__ = "change_epochs"
 
-    seq: Mapped[int] = mapped_column(Integer, primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True)
     id: Mapped[str] = mapped_column(String(16), unique=True)
     last: Mapped[int]
 

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
 
+import pytest
 from sqlalchemy import event
 
 from drivora_service.oracles.accountability import Accountability
@@ -21,6 +22,16 @@ from drivora_service.store.minimization_records import NewMinimization
 from drivora_service.store.records import NewRun, Priority
 
 POLICY = RetryPolicy()
+
+only_sqlite = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+"""For tests of SQLite's file, or of how it plans queries."""
+
+slow_on_postgresql = pytest.mark.parametrize(
+    "database_url",
+    ["sqlite", pytest.param("postgresql", marks=pytest.mark.slow)],
+    indirect=True,
+)
+"""For tests with so many transactions that the ways to a server and back take the most time."""
 
 
 def new_run(text: str = "{}", **changes: object) -> NewRun:

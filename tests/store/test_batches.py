@@ -10,7 +10,7 @@ import pytest
 from drivora_service.errors import InvalidDocument, UnknownName
 from drivora_service.store.database import Database
 from drivora_service.store.records import Batch, Priority
-from tests.store.samples import submit
+from tests.store.samples import only_sqlite, submit
 from tests.store.test_query_plans import plan, queries
 
 CHOICES = tuple(chain.from_iterable(combinations(Priority, size) for size in range(4)))
@@ -64,6 +64,7 @@ def test_a_page_token_is_of_its_priorities(database: Database, batches: list[Bat
                 transaction.batches.page(priorities=others, limit=1, page_token=token)
 
 
+@only_sqlite
 @pytest.mark.parametrize("priorities", CHOICES)
 def test_batches_of_other_priorities_are_not_read(
     database: Database, batches: list[Batch], priorities: tuple[Priority, ...]

@@ -26,7 +26,7 @@ from drivora_service.store.database import Database
 from drivora_service.store.pruning import prune
 from drivora_service.store.traces import CampaignTraces, TraceFolder
 from drivora_service.store.verification import verify
-from tests.store.samples import new_run
+from tests.store.samples import new_run, only_sqlite
 
 
 def create(database: Database, name: str = "search") -> str:
@@ -352,6 +352,7 @@ def test_contradictions_in_campaigns_are_found(database: Database, tmp_path: Pat
     assert kinds()["wrong_count"] == {campaign_id, other}
 
 
+@only_sqlite
 def test_a_backup_holds_the_traces_of_failures(database: Database, tmp_path: Path) -> None:
     campaign_id = create(database)
     append(database, campaign_id, evaluation(0, violated=(True,)), evaluation(1, violated=(None,)))

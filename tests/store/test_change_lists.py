@@ -47,6 +47,7 @@ from tests.store.samples import (
     lost,
     new_minimization,
     new_run,
+    only_sqlite,
     register,
     submit,
 )
@@ -454,6 +455,7 @@ def test_positions_are_known_in_later_epochs_and_in_no_other_database(
     other.close()
 
 
+@only_sqlite
 def test_changes_that_a_restored_backup_lost_make_positions_unknown(
     database: Database, tmp_path: Path
 ) -> None:
@@ -480,6 +482,7 @@ def test_positions_are_text() -> None:
         assert read_position(text) is None
 
 
+@only_sqlite
 def test_the_count_costs_a_transaction_one_statement_and_no_scan(database: Database) -> None:
     submit(database, 20, priority=Priority.CI)
     owner = register(database)

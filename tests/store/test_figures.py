@@ -22,8 +22,10 @@ def test_an_empty_store_has_nothing_but_its_size(database: Database, tmp_path: P
     assert not found.failures
     assert found.oldest_queued_at is None
     assert found.quarantined == 0
-    files = (tmp_path / "data").glob("drivora.sqlite3*")
-    assert 0 < found.database_bytes <= sum(file.stat().st_size for file in files)
+    assert found.database_bytes > 0
+    if database.engine.dialect.name == "sqlite":
+        files = (tmp_path / "data").glob("drivora.sqlite3*")
+        assert found.database_bytes <= sum(file.stat().st_size for file in files)
 
 
 def test_failures_are_counted_by_status_and_cause(database: Database) -> None:

@@ -29,7 +29,15 @@ from drivora_service.store.records import Priority
 from drivora_service.store.tables import RunRow
 from drivora_service.store.traces import TraceFolder
 from tests.store.make_revision_data import fill
-from tests.store.samples import claim, finish, finished, new_run, register
+from tests.store.samples import (
+    claim,
+    finish,
+    finished,
+    new_run,
+    only_sqlite,
+    register,
+    slow_on_postgresql,
+)
 from tests.store.test_campaigns import append, create, evaluation
 from tests.store.test_query_plans import plan, queries
 
@@ -138,6 +146,7 @@ def passes(failure: FoundFailure, wanted: FoundFilter) -> bool:
     ) and (wanted.since or BEGIN) <= failure.found_at < (wanted.until or datetime.now(UTC))
 
 
+@slow_on_postgresql
 def test_filters_and_groups_are_those_of_the_whole_list(
     database: Database, campaign_id: str
 ) -> None:
@@ -324,6 +333,7 @@ def facts(failure: FoundFailure) -> str:
     return repr({name: getattr(failure, name) for name in FoundFailure.__slots__[1:]})
 
 
+@only_sqlite
 def test_lists_read_the_narrow_table_only_and_the_failures_shown(
     database: Database, campaign_id: str
 ) -> None:

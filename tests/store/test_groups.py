@@ -24,7 +24,7 @@ from drivora_service.store.group_records import (
     group_id,
 )
 from drivora_service.store.records import Priority
-from tests.store.samples import claim, finish, finished, new_run, register
+from tests.store.samples import claim, finish, finished, new_run, only_sqlite, register
 from tests.store.test_campaigns import append, create, evaluation
 from tests.store.test_query_plans import plan, queries
 
@@ -350,6 +350,7 @@ def test_pages_of_groups_follow_one_another(database: Database, batches: tuple[s
             assert len(whole) == 2
 
 
+@only_sqlite
 def test_a_group_is_found_by_its_id_without_reading_all_failures(
     database: Database, batches: tuple[str, str]
 ) -> None:

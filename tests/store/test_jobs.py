@@ -9,7 +9,7 @@ from drivora_service.runs.report import RunStatus
 from drivora_service.store.database import Database
 from drivora_service.store.evaluation_runs import EvaluationId
 from drivora_service.store.records import JobFilter, Page, Priority, RunSummary
-from tests.store.samples import claim, finish, finished, new_run, register, submit
+from tests.store.samples import claim, finish, finished, new_run, only_sqlite, register, submit
 from tests.store.test_campaigns import append, create, evaluation
 from tests.store.test_query_plans import plan, queries, refuse_unbounded
 
@@ -29,6 +29,7 @@ def test_pages_cover_everything_once_while_the_table_grows(database: Database) -
     assert seen == list(reversed(runs))
 
 
+@only_sqlite
 def test_a_run_of_a_campaign_names_its_evaluation(database: Database) -> None:
     campaign_id = create(database)
     with database.write() as transaction:

@@ -18,7 +18,7 @@ from drivora_service.store.records import Priority
 from drivora_service.store.server_lock import ServerLock
 from drivora_service.store.traces import TraceFolder
 from drivora_service.store.verification import verify
-from tests.store.samples import claim, finish, finished, new_run, register, submit
+from tests.store.samples import claim, finish, finished, new_run, only_sqlite, register, submit
 
 
 def file_hash(path: Path) -> str:
@@ -67,6 +67,7 @@ def test_every_contradiction_is_found(
     }
 
 
+@only_sqlite
 def test_a_backup_is_a_data_folder(
     database: Database, traces: TraceFolder, runs: tuple[str, ...], tmp_path: Path
 ) -> None:
@@ -83,6 +84,7 @@ def test_a_backup_is_a_data_folder(
         back_up(database, traces, tmp_path / "backup")
 
 
+@only_sqlite
 def test_a_backup_is_one_view_while_others_write(
     database: Database, traces: TraceFolder, tmp_path: Path
 ) -> None:

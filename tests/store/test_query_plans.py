@@ -25,7 +25,9 @@ from drivora_service.store.campaign_records import (
 )
 from drivora_service.store.database import Database
 from drivora_service.store.records import JobFilter, Priority
-from tests.store.samples import claim, finish, finished, new_run, register
+from tests.store.samples import claim, finish, finished, new_run, only_sqlite, register
+
+pytestmark = only_sqlite
 
 Filter = TypeVar("Filter", EvaluationFilter, FailureFilter)
 

@@ -29,7 +29,9 @@ from tests.store.samples import (
     finished,
     new_minimization,
     new_run,
+    only_sqlite,
     register,
+    slow_on_postgresql,
     submit,
 )
 from tests.store.test_campaigns import append, create, evaluation
@@ -215,6 +217,7 @@ def test_files_that_a_kill_left_behind_go_with_the_next_pass(
     assert left(database, traces) == (set(runs), set())
 
 
+@slow_on_postgresql
 def test_others_write_while_thousands_of_runs_are_removed(
     database: Database, traces: TraceFolder
 ) -> None:
@@ -243,6 +246,7 @@ def test_others_write_while_thousands_of_runs_are_removed(
     assert list(verify(database, traces)) == []
 
 
+@only_sqlite
 def test_the_file_becomes_shorter(database: Database, traces: TraceFolder) -> None:
     path = Path(str(database.engine.url.database))
     with database.write() as transaction:
@@ -258,6 +262,7 @@ def test_the_file_becomes_shorter(database: Database, traces: TraceFolder) -> No
     assert return_free_space(database) == 0
 
 
+@only_sqlite
 def test_an_old_file_is_rewritten_so_that_it_can_become_shorter(database: Database) -> None:
     with closing(database.engine.raw_connection()) as connection:
         for statement in ("PRAGMA auto_vacuum = NONE", "VACUUM"):

@@ -18,7 +18,15 @@ from drivora_service.store.database import Database
 from drivora_service.store.records import JobFilter, Priority
 from drivora_service.store.run_counts import NO_RUNS, RunCounts
 from drivora_service.store.tables import RunRow
-from tests.store.samples import claim, crashed, finish, finished, new_run, register
+from tests.store.samples import (
+    claim,
+    crashed,
+    finish,
+    finished,
+    new_run,
+    register,
+    slow_on_postgresql,
+)
 
 BEGIN = datetime(2026, 3, 1, tzinfo=UTC)
 
@@ -74,6 +82,7 @@ def filters(batch_id: str) -> Iterator[JobFilter]:
             yield JobFilter(**{name: values[name] for name in names})
 
 
+@slow_on_postgresql
 def test_counts_are_the_lengths_of_the_lists(database: Database, batch_id: str) -> None:
     totals: set[int] = set()
     with database.read() as transaction:

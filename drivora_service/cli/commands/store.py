@@ -119,7 +119,7 @@ def prune(
     from drivora_service.cli.installation import settings_for
     from drivora_service.errors import ConfigurationError
     from drivora_service.retention_settings import retention
-    from drivora_service.store.free_space import rewrite_database
+    from drivora_service.store.free_space import refuse_rewriting, rewrite_database
     from drivora_service.store.pruning import prune as prune_store
     from drivora_service.store.retention import retain
 
@@ -131,6 +131,8 @@ def prune(
             "DRIVORA_RETAIN_PASSED_RUNS_DAYS or another DRIVORA_RETAIN_… setting"
         )
     with _opened(data_dir) as (database, traces, campaign_traces):
+        if compact:
+            refuse_rewriting(database)
         if older_than is None:
             pruned = retain(database, traces, campaign_traces, kept, now=now)
         else:
