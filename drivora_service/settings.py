@@ -40,7 +40,8 @@ class Settings(BaseSettings):
     )
     database_url: str = Field(
         default="",
-        description="SQLAlchemy address of the database; empty: SQLite in the data folder.",
+        description="Address of the database, of SQLite or PostgreSQL; empty: SQLite in the data "
+        "folder.",
     )
     host: str = Field(default="127.0.0.1", description="Address to listen on.")
     port: int = Field(default=8000, ge=0, le=65535, description="Port; 0 picks a free one.")

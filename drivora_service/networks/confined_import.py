@@ -122,7 +122,9 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 def _environment(stage: Path) -> dict[str, str]:
     """Returns the environment of the process: without the settings and secrets of the service."""
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("DRIVORA_")}
+    # PG…: what the driver of PostgreSQL reads, such as PGPASSWORD.
+    secret = ("DRIVORA_", "PG")
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(secret)}
     return kept | _FRUGAL | {"TMPDIR": str(stage)}
 
 

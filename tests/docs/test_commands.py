@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from tests.docs.blocks import Command, commands_of, installation_lines, missing_lines
+from tests.postgresql_server import PostgresqlServer
 
 _ROOT = Path(__file__).resolve().parents[2]
 _FILES = Path(__file__).with_name("files")
@@ -27,6 +28,8 @@ PAGES = sorted(
 )
 WITH_EXACT_NUMBERS = ("README.md", "docs/tutorial/first-run.md")
 """Pages whose numbers are results, and are compared digit by digit; ``…`` stands for others."""
+WITH_POSTGRESQL = "docs/how-to/use-postgresql.md"
+"""A page whose commands need a server, and its tools."""
 WITH_COMMANDS = [page for page in PAGES if commands_of((_ROOT / page).read_text())]
 
 
@@ -36,7 +39,14 @@ def test_tutorial_and_how_tos_have_commands() -> None:
 
 @pytest.mark.slow(seconds=30)
 @pytest.mark.parametrize("page", WITH_COMMANDS)
-def test_commands_work_as_they_are_written(page: str, tmp_path: Path) -> None:
+def test_commands_work_as_they_are_written(
+    page: str, tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if page == WITH_POSTGRESQL:
+        server: PostgresqlServer = request.getfixturevalue("postgresql")
+        monkeypatch.setenv("PGHOST", str(server.folder))
+        monkeypatch.setenv("PGUSER", "postgres")
+        monkeypatch.setenv("PATH", f"{server.programs}{os.pathsep}{os.environ['PATH']}")
     commands = commands_of((_ROOT / page).read_text())
     assert commands
     exact = page in WITH_EXACT_NUMBERS

@@ -10,7 +10,13 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    invariant,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
 from sqlalchemy import text
 
 from drivora_service.oracles.accountability import Accountability
@@ -22,6 +28,7 @@ from drivora_service.store.pruning import prune
 from drivora_service.store.records import BatchState, JobFilter, Priority, RunSummary
 from drivora_service.store.traces import TraceFolder
 from drivora_service.store.verification import verify
+from tests.postgresql_server import PostgresqlServer
 from tests.store.samples import (
     POLICY,
     claim,
@@ -55,11 +62,11 @@ filters = st.builds(
 class Store(RuleBasedStateMachine):
     """A service with two owners of leases and runs with every kind of end."""
 
-    def __init__(self) -> None:
+    def __init__(self, url: str = "") -> None:
         super().__init__()
         self.folder = tempfile.TemporaryDirectory()
         path = Path(self.folder.name)
-        self.database: Database = open_database(f"sqlite:///{path / 'x.sqlite3'}")
+        self.database: Database = open_database(url or f"sqlite:///{path / 'x.sqlite3'}")
         self.traces = TraceFolder(path / "traces")
         self.owner = register(self.database)
         self.batches: list[str] = []
@@ -284,6 +291,15 @@ TestStore.settings = settings(
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow],
 )
+
+
+@pytest.mark.slow
+def test_the_same_on_postgresql(postgresql: PostgresqlServer) -> None:
+    class OnPostgresql(Store):
+        def __init__(self) -> None:
+            super().__init__(postgresql.create())
+
+    run_state_machine_as_test(OnPostgresql, settings=TestStore.settings)
 
 
 @pytest.mark.parametrize(
