@@ -22,9 +22,9 @@ in total, and the engine of each campaign is a process of its own."""
 _STATEMENT_S = 600.0
 """Seconds after which a statement is given up, so that no thread waits for ever for a server that
 hangs."""
-_IDLE_S = 60.0
-"""Seconds after which the server ends a transaction whose client does nothing: a process that was
-stopped, or whose machine is gone, must not keep the others from writing."""
+_IDLE = "60s"
+"""Time after which the server ends a transaction that writes and whose client does nothing: a
+process that was stopped, or whose machine is gone, must not keep the others from writing."""
 _CONNECTING = {
     "application_name": "drivora",
     "client_encoding": "utf8",
@@ -88,7 +88,7 @@ def lock_writing(session: Session) -> None:
     It must be the first statement: the later ones then see all that those before have committed.
     Revisions are thereby counted in the order of the commits, see ``store.revisions``.
     """
-    session.connection().execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _WRITING})
+    session.connection().execute(_BEGIN_WRITING, {"idle": _IDLE, "key": _WRITING})
 
 
 def lock_schema(connection: Connection) -> None:
@@ -97,7 +97,7 @@ def lock_schema(connection: Connection) -> None:
     Raises:
         StoreError: The user of the database may not make tables.
     """
-    for limit in ("lock_timeout", "statement_timeout", "idle_in_transaction_session_timeout"):
+    for limit in ("lock_timeout", "statement_timeout"):
         connection.exec_driver_sql(f"SET LOCAL {limit} = 0")
     connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _WRITING})
     if not connection.scalar(text("SELECT has_schema_privilege(current_schema(), 'CREATE')")):
@@ -124,6 +124,10 @@ def give_types_of_sqlite(connection: Connection) -> None:
         connection.exec_driver_sql(f'ALTER SEQUENCE "{sequence}" AS bigint')
 
 
+_BEGIN_WRITING = text(
+    "SELECT set_config('idle_in_transaction_session_timeout', :idle, true), "
+    "pg_advisory_xact_lock(:key)"
+)
 _OTHER_COLUMNS = text(
     "SELECT table_name, column_name, data_type != 'integer' FROM information_schema.columns "
     "WHERE table_schema = current_schema() AND (data_type IN ('integer', 'character varying') "
@@ -167,11 +171,7 @@ def _configure(patience_s: float, connection: DriverConnection[Any], _record: ob
     from drivora_service.store.postgresql_values import adapt_values
 
     adapt_values(connection.adapters)
-    limits = {
-        "lock_timeout": patience_s,
-        "statement_timeout": _STATEMENT_S,
-        "idle_in_transaction_session_timeout": _IDLE_S,
-    }
+    limits = {"lock_timeout": patience_s, "statement_timeout": _STATEMENT_S}
     with connection.cursor() as cursor:
         for name, seconds in limits.items():
             cursor.execute("SELECT set_config(%s, %s, false)", (name, f"{round(1000 * seconds)}ms"))

@@ -13,6 +13,7 @@ import pytest
 from sqlalchemy import make_url, text
 
 from drivora_service.errors import StoreError, StoreUnavailable
+from drivora_service.store import postgresql as connections
 from drivora_service.store.backup import back_up
 from drivora_service.store.database import Database, database_file, open_database
 from drivora_service.store.free_space import return_free_space, rewrite_database
@@ -222,6 +223,25 @@ def test_a_writer_that_is_kept_waiting_gives_up(database: Database, impatient: D
             raise AssertionError
         assert time.monotonic() - begun < 10
     submit(impatient, 1)
+
+
+def test_a_writer_that_does_nothing_is_ended(
+    database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(connections, "_IDLE", "100ms")
+
+    def sleep() -> None:
+        with database.write() as transaction:
+            transaction.jobs.submit([new_run("lost")])
+            time.sleep(0.5)
+
+    with pytest.raises(StoreUnavailable):
+        sleep()
+    submit(database, 1)
+    with database.read() as transaction:
+        # Readers are not limited: a table is exported as slowly as it is received.
+        time.sleep(0.5)
+        assert len(transaction.jobs.page(JobFilter(), limit=9).items) == 1
 
 
 def test_the_end_of_a_connection_is_noted_once_at_most(
