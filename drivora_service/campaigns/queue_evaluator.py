@@ -23,6 +23,9 @@ from drivora_service.store.traces import TraceFolder
 
 _FIRST_POLL_S = 0.01
 _LONGEST_POLL_S = 0.05
+_BLIND_POLL_S = 0.25
+"""The same where the database does not tell whether it has changed, so that each look is a query.
+"""
 _SLOWER = 1.5
 
 
@@ -80,7 +83,8 @@ class QueueEvaluator:
             if left <= 0.0:
                 break
             time.sleep(min(pause, left))
-            pause = min(pause * _SLOWER, _LONGEST_POLL_S)
+            longest = _BLIND_POLL_S if self._changes is None else _LONGEST_POLL_S
+            pause = min(pause * _SLOWER, longest)
         return ()
 
     def close(self) -> None:

@@ -7,13 +7,15 @@ import os
 import shutil
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
 from sqlalchemy import make_url
 
+from drivora_service.api.examples import SCENARIO
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.report import RunStatus
 from drivora_service.scenario.documents import document_text
@@ -93,6 +95,29 @@ def test_a_killed_service_loses_nothing_and_its_dump_is_restored(
     postgresql.drop(restored_url)
 
 
+@pytest.mark.slow(seconds=40)
+def test_a_campaign_goes_on_after_its_service_was_killed(url: str, tmp_path: Path) -> None:
+    data, simulations = tmp_path / "data", 40
+    content = {
+        "name": "tee",
+        "tester": {"name": "avfuzzer"},
+        "agent": {"name": "idm"},
+        "scenario": SCENARIO,
+        "oracles": ["collision", "discomfort"],
+        "budget": {"simulations": simulations},
+        "seed": 3,
+    }
+    with killed_service(data) as (_, address), httpx.Client(timeout=60.0) as client:
+        answer = client.post(f"{address}/api/v1/campaigns", json=content)
+        campaign = f"/api/v1/campaigns/{answer.raise_for_status().json()['id']}"
+        told = until(client, address + campaign, lambda one: one["counts"]["evaluations"] >= 8)
+        assert told["state"] == "running"
+    with forked_service(data, workers=2) as address, httpx.Client(timeout=60.0) as client:
+        ended = until(client, address + campaign, lambda one: one["state"] != "running")
+    assert (ended["state"], ended["counts"]["evaluations"]) == ("finished", simulations)
+    assert contradictions(url, data) == []
+
+
 @pytest.mark.slow
 def test_commands_about_the_file_name_the_tools_of_postgresql(url: str, tmp_path: Path) -> None:
     assert command(tmp_path, "migrate") == (0, f"the database has schema {newest_revision()}\n")
@@ -118,6 +143,19 @@ def command(folder: Path, *arguments: str) -> tuple[int, str]:
         err=printed,
     )
     return begun.wait(120.0), printed.read_text()
+
+
+def until(
+    client: httpx.Client, address: str, is_wanted: Callable[[dict[str, Any]], bool]
+) -> dict[str, Any]:
+    """Waits until what an address answers is as wanted, and returns it."""
+    deadline = time.monotonic() + _LONGEST_S
+    while True:
+        found: dict[str, Any] = client.get(address).raise_for_status().json()
+        if is_wanted(found):
+            return found
+        assert time.monotonic() < deadline, found
+        time.sleep(0.2)
 
 
 def wait_for(client: httpx.Client, batch: str, *, done: int) -> None:
