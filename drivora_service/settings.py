@@ -40,6 +40,8 @@ class Settings(BaseSettings):
     )
     database_url: str = Field(
         default="",
+        # It may hold a password.
+        repr=False,
         description="Address of the database, of SQLite or PostgreSQL; empty: SQLite in the data "
         "folder.",
     )

@@ -57,3 +57,9 @@ def test_every_setting_is_documented(repository: Path) -> None:
     reference = (repository / "docs" / "reference" / "cli.md").read_text()
     for name in Settings.model_fields:
         assert f"`DRIVORA_{name.upper()}`" in reference
+
+
+def test_a_password_in_the_address_of_the_database_is_not_shown() -> None:
+    settings = Settings(database_url="postgresql+psycopg://drivora:secret@db/drivora")
+    assert settings.resolved_database_url.endswith(":secret@db/drivora")
+    assert "secret" not in f"{settings} {settings!r}"

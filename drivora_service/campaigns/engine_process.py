@@ -7,7 +7,7 @@ import faulthandler
 import os
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -39,14 +39,14 @@ class EngineSetup:
     """The configuration of every engine's process.
 
     Attributes:
-        database_url: Database of the service.
+        database_url: Database of the service; not shown, since it may hold a password.
         campaigns: Folder of all campaigns.
         traces: Folder of the service's traces.
         workers: Number of runs that the service performs at once.
         laws: The user's law files.
     """
 
-    database_url: str
+    database_url: str = field(repr=False)
     campaigns: Path
     traces: Path
     shipped_networks: Path
