@@ -19,8 +19,11 @@ from typing import Any
 
 import psycopg
 from psycopg import sql
+from sqlalchemy import make_url
 
 from drivora_service.store.database import open_database
+from drivora_service.store.migration import newest_revision
+from drivora_service.store.revisions import new_epoch
 
 _START_S = 60.0
 _TEMPLATE = "migrated"
@@ -36,6 +39,22 @@ _OPTIONS = {
     "shared_buffers": "64MB",
     "log_min_messages": "fatal",
 }
+
+
+_EMPTY = """
+DO $$
+DECLARE one record;
+BEGIN
+  -- Without the checks of foreign keys, so that any order will do.
+  SET LOCAL session_replication_role = replica;
+  FOR one IN SELECT tablename AS name FROM pg_tables WHERE schemaname = 'public' LOOP
+    EXECUTE format('DELETE FROM %I', one.name);
+  END LOOP;
+  FOR one IN SELECT sequencename AS name FROM pg_sequences WHERE schemaname = 'public' LOOP
+    PERFORM setval(format('%I', one.name)::regclass, 1, false);
+  END LOOP;
+END $$
+"""
 
 
 @dataclass(frozen=True)
@@ -72,13 +91,22 @@ class PostgresqlServer:
 
     def drop(self, url: str) -> None:
         """Removes a database, also one that is in use."""
-        name = url.rpartition("/test_")[2].partition("?")[0]
-        self.execute("DROP DATABASE IF EXISTS {} WITH (FORCE)", f"test_{name}")
+        self.execute("DROP DATABASE IF EXISTS {} WITH (FORCE)", make_url(url).database or "")
 
     def execute(self, statement: str, *names: str, database: str = "postgres") -> None:
         """Executes a statement; ``names`` take the places of its braces."""
         with self._connected(database) as connection:
             connection.execute(sql.SQL(statement).format(*map(sql.Identifier, names)))
+
+    def empty(self, url: str) -> None:
+        """Brings a database to the state of a new one, which is several times as fast."""
+        with self._connected(make_url(url).database or "") as connection:
+            connection.execute(_EMPTY)
+            for statement, value in (
+                ("INSERT INTO alembic_version VALUES (%s)", newest_revision()),
+                ("INSERT INTO change_epochs (id, last) VALUES (%s, 0)", new_epoch()),
+            ):
+                connection.execute(statement, (value,))
 
     def _has(self, database: str) -> bool:
         with self._connected("postgres") as connection:

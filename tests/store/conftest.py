@@ -1,4 +1,4 @@
-"""A database for each test: one of SQLite, and one of PostgreSQL."""
+"""A database for each test: one of SQLite, and an empty one of PostgreSQL."""
 
 from __future__ import annotations
 
@@ -18,10 +18,16 @@ def database_url(request: pytest.FixtureRequest) -> Iterator[str]:
     if request.param == "sqlite":
         yield request.getfixturevalue("sqlite_url")
         return
-    server: PostgresqlServer = request.getfixturevalue("postgresql")
-    url = server.create()
+    url: str = request.getfixturevalue("postgresql_url")
     yield url
-    server.drop(url)
+    server: PostgresqlServer = request.getfixturevalue("postgresql")
+    server.empty(url)
+
+
+@pytest.fixture(scope="session")
+def postgresql_url(postgresql: PostgresqlServer) -> str:
+    """The address of a database of PostgreSQL that each test leaves empty."""
+    return postgresql.create()
 
 
 @pytest.fixture
