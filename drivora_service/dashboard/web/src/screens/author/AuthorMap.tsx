@@ -14,6 +14,7 @@ import { LaneIndex } from "../../roads/laneIndex";
 import type { Grip } from "../../roads/MapStage";
 import { type DrawnMap, RoadMap } from "../../roads/RoadMap";
 import { AuthorLayer, type Chosen } from "./AuthorLayer";
+import { ControlLayer } from "./ControlLayer";
 import { listNameOf } from "./scenario";
 import { actorNear, type ShownActor } from "./shownActors";
 import { type Snapped, snapped } from "./snapping";
@@ -79,9 +80,13 @@ export function AuthorMap({
   const onMap = (made: DrawnMap) => {
     const { stage, palette } = made;
     const found = new Highlight(index, palette.accent, 0.3);
-    stage.world.addChild(found);
+    const controls = new ControlLayer(geometry, palette);
+    stage.world.addChild(controls, found);
     const layer = new AuthorLayer(made);
-    stage.beforeDraw = (view, size) => layer.show(view, size);
+    stage.beforeDraw = (view, size) => {
+      controls.show(view.scale);
+      layer.show(view, size);
+    };
     const placeAt = (x: number, y: number, event: PointerEvent) => {
       const list = listOfTool(now.current.tool);
       return list && snapped(index, list, x, y, { free: event.altKey });
@@ -95,7 +100,7 @@ export function AuthorMap({
       } else {
         const near = actorNear(now.current.actors, x, y, reach(NEAR_PX));
         stage.canvas.style.cursor = near || handleNear(x, y) ? "grab" : "";
-        setPointed(near?.id ?? "");
+        setPointed(near?.id ?? controls.nameAt(x, y));
       }
       stage.draw();
     };
