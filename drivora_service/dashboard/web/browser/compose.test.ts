@@ -13,6 +13,7 @@ const url = inject("url");
 const made = inject("made");
 const api = new Api(url);
 const folder = mkdtempSync(join(tmpdir(), "drivora-compose-"));
+const SMOKE = join(REPOSITORY, "openscenario_schemas", "suites", "smoke", "scenarios");
 const EXAMPLES = join(REPOSITORY, "openscenario_schemas", "examples", "campaigns");
 let browser: Browser;
 
@@ -29,6 +30,15 @@ interface Stored {
   readonly name: string;
   readonly state: string;
   readonly document: Readonly<Record<string, unknown>>;
+}
+
+interface Judged {
+  readonly ended_at: string | null;
+  readonly verdicts: readonly {
+    readonly oracle: string;
+    readonly outcome: string;
+    readonly at_fault: boolean | null;
+  }[];
 }
 
 const path = (page: Page) => new URL(page.url()).pathname;
@@ -278,6 +288,32 @@ it("a search begins from an evaluation, and from what the author screen leaves",
   await page.reload();
   await ready(page);
   expect((await shown(page)).scenario).toEqual(authored);
+  await context.close();
+});
+
+it("what a run violated at an ego's fault counts in a search that begins from it", async () => {
+  const file = "roundabout-failure-to-yield-road-vale-5.json";
+  const content: unknown = JSON.parse(readFileSync(join(SMOKE, file), "utf8"));
+  const { id } = await api.post<{ id: string }>("/jobs?label=fails%20to%20yield", content);
+  const { verdicts } = await api.until<Judged>(`/runs/${id}`, ({ ended_at }) => ended_at !== null);
+  const failing = verdicts.filter(({ outcome, at_fault }) => outcome === "violated" && at_fault);
+  expect(failing.map(({ oracle }) => oracle)).toContain("failure_to_yield");
+
+  const { page, context } = await open(browser, `${url}/campaigns/new?run=${id}`);
+  await ready(page);
+  expect((await shown(page)).oracles).toContain("failure_to_yield");
+  const section = page.getByRole("region", { name: "What counts as a failure" });
+  await section.getByText("Failure to yield counts, too: the run of the scenario").waitFor();
+  const start = page.getByRole("region", { name: "Start" });
+  await start.getByText(/^Counts: collision, .*failure to yield/).waitFor();
+
+  // What is taken back does not count, which is told.
+  await start.getByRole("button", { name: "Change" }).click();
+  expect(await hasFocus(section)).toBe(true);
+  await section.getByRole("button", { name: "Back to the default" }).click();
+  expect(await shown(page)).not.toHaveProperty("oracles");
+  await section.getByText("fault, which does not count").waitFor();
+  expect(await start.innerText()).not.toContain("failure to yield");
   await context.close();
 });
 

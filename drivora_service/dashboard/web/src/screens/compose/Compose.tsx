@@ -6,6 +6,7 @@ import { useScope } from "../../shell/session";
 import { BudgetSection } from "./BudgetSection";
 import { type Beginning, useBeginning } from "./beginning";
 import { type Catalogues, presetOptions, useCatalogues } from "./catalogues";
+import { countedOracles, countingViolated } from "./counting";
 import { DocumentView } from "./DocumentView";
 import { type Draft, documentOf, emptyDraft, type Kind, nameOf, withSetting } from "./draft";
 import type { Form } from "./form";
@@ -18,6 +19,8 @@ import { useValidation, type Validation } from "./useValidation";
 import "./compose.css";
 
 interface Asked {
+  /** The oracles whose violations count. */
+  readonly counted: readonly string[];
   readonly draft: Draft;
   readonly document: ReturnType<typeof documentOf>;
 }
@@ -74,6 +77,7 @@ function Loaded<Answer>({
   );
   const { draft, change, isChanged, discard } = useDraft(kind, beginning.source, first);
   const document = useMemo(() => documentOf(kind, draft), [kind, draft]);
+  const counted = countedOracles(catalogues, draft);
   const hasScenario = draft.scenarios.length > 0;
   const { maySubmit } = useScope();
   // Who may not start is not answered.
@@ -107,7 +111,7 @@ function Loaded<Answer>({
           <OracleSection form={form} />
         </div>
         <div className="stack beside">
-          {outcome({ draft, document }, validation)}
+          {outcome({ counted, draft, document }, validation)}
           <DocumentView kind={kind} name={nameOf(kind, draft)} document={document} />
         </div>
       </div>
@@ -115,12 +119,9 @@ function Loaded<Answer>({
   );
 }
 
-function firstDraft(
-  kind: Kind,
-  { definitions, presets }: Catalogues,
-  { scenarios, stored }: Beginning,
-): Draft {
-  if (!stored) return { ...emptyDraft(kind), scenarios };
+function firstDraft(kind: Kind, catalogues: Catalogues, { scenarios, stored }: Beginning): Draft {
+  if (!stored) return countingViolated(catalogues, { ...emptyDraft(kind), scenarios });
+  const { definitions, presets } = catalogues;
   const { document, label } = stored;
   return draftOf(kind, document, { definitions, presets: presetOptions(presets), label });
 }

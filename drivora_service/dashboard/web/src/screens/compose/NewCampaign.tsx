@@ -22,9 +22,10 @@ export function NewCampaign() {
           <TesterSection form={form} />
         </>
       )}
-      outcome={({ draft, document }, validation) => (
+      outcome={({ counted, draft, document }, validation) => (
         <Start
           kind="campaign"
+          counted={counted}
           draft={draft}
           document={document}
           validation={validation}

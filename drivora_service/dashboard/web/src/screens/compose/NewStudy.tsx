@@ -23,9 +23,10 @@ export function NewStudy() {
           <MethodsSection form={form} />
         </>
       )}
-      outcome={({ draft, document }, validation) => (
+      outcome={({ counted, draft, document }, validation) => (
         <Start
           kind="study"
+          counted={counted}
           draft={draft}
           document={document}
           validation={validation}

@@ -1,8 +1,7 @@
 import type { Schemas } from "../../api/client";
 import { Problems } from "../../components/fields/Field";
-import { propertiesOf } from "../../components/fields/jsonSchema";
-import { isSame } from "../../components/fields/typed";
 import { plain } from "../failures/words";
+import { countedOracles, violatedBeside, withCounted } from "./counting";
 import type { Form } from "./form";
 import { Folded, Section } from "./Section";
 
@@ -10,18 +9,14 @@ type Oracle = Schemas["Oracle"];
 
 /** Which violations count as failures. */
 export function OracleSection({ form }: { readonly form: Form }) {
-  const { oracles, definitions } = form.catalogues;
-  const schema = propertiesOf(definitions.CampaignDocument, definitions).oracles;
-  const standard = namesIn(schema?.default);
-  const given = form.draft.settings.oracles;
-  const chosen = given === undefined ? standard : namesIn(given);
+  const { catalogues, draft } = form;
+  const { oracles } = catalogues;
+  const chosen = countedOracles(catalogues, draft);
+  const violated = violatedBeside(catalogues, draft);
   const problems = form.problemsOf("/oracles", { inside: true });
   const toggle = (name: string) => {
-    const next = chosen.includes(name)
-      ? chosen.filter((one) => one !== name)
-      : inOrder([...chosen, name], oracles);
-    const isStandard = isSame(next.toSorted(), standard.toSorted());
-    form.set("/oracles", isStandard ? undefined : next);
+    const next = chosen.includes(name) ? chosen.filter((one) => one !== name) : [...chosen, name];
+    form.change((now) => withCounted(catalogues, now, next));
   };
   const laws = oracles.filter(({ formula }) => formula !== "");
   const others = oracles.filter(({ formula }) => formula === "");
@@ -34,12 +29,16 @@ export function OracleSection({ form }: { readonly form: Form }) {
     >
       <p>
         {chosen.length === 0 ? "Nothing counts." : `A violation of ${listed(chosen.map(plain))}.`}{" "}
-        {given !== undefined && (
+        {draft.settings.oracles !== undefined && (
           <button type="button" className="clear" onClick={() => form.set("/oracles", undefined)}>
             Back to the default
           </button>
         )}
       </p>
+      <Violated
+        counted={violated.filter((name) => chosen.includes(name))}
+        left={violated.filter((name) => !chosen.includes(name))}
+      />
       <Problems problems={problems} />
       <Folded title="Oracles" says={`${count(others, chosen)} of ${others.length} count`}>
         <Checks oracles={others} chosen={chosen} onToggle={toggle} />
@@ -50,6 +49,33 @@ export function OracleSection({ form }: { readonly form: Form }) {
         </Folded>
       )}
     </Section>
+  );
+}
+
+/** What the runs of the scenarios violated, beside what counts by default. */
+function Violated({
+  counted,
+  left,
+}: {
+  readonly counted: readonly string[];
+  readonly left: readonly string[];
+}) {
+  return (
+    <>
+      {counted.length > 0 && (
+        <p className="quiet">
+          {sentence(listed(counted.map(plain), "and"))} {counted.length === 1 ? "counts" : "count"},
+          too: the run of the scenario violated {counted.length === 1 ? "it" : "them"} at an ego's
+          fault.
+        </p>
+      )}
+      {left.length > 0 && (
+        <p className="quiet">
+          The run of the scenario violated {listed(left.map(plain), "and")} at an ego's fault, which
+          {left.length === 1 ? " does" : " do"} not count.
+        </p>
+      )}
+    </>
   );
 }
 
@@ -82,24 +108,15 @@ function Checks({
   );
 }
 
-function namesIn(value: unknown): readonly string[] {
-  return Array.isArray(value) ? value.map(String) : [];
-}
-
-/** Returns names in the order of the catalogue; others stand at the end. */
-function inOrder(names: readonly string[], oracles: readonly Oracle[]): readonly string[] {
-  const known = oracles.map(({ name }) => name);
-  return [
-    ...known.filter((name) => names.includes(name)),
-    ...names.filter((name) => !known.includes(name)),
-  ];
-}
-
 function count(oracles: readonly Oracle[], chosen: readonly string[]): number {
   return oracles.filter(({ name }) => chosen.includes(name)).length;
 }
 
-function listed(words: readonly string[]): string {
+function listed(words: readonly string[], last = "or"): string {
   if (words.length < 2) return words.join("");
-  return `${words.slice(0, -1).join(", ")} or ${words.at(-1)}`;
+  return `${words.slice(0, -1).join(", ")} ${last} ${words.at(-1)}`;
+}
+
+function sentence(words: string): string {
+  return `${words.charAt(0).toUpperCase()}${words.slice(1)}`;
 }

@@ -6,6 +6,7 @@ import { Mark } from "../../components/Mark";
 import { Prose } from "../../components/Prose";
 import { Refused } from "../../components/States";
 import { useScope } from "../../shell/session";
+import { plain } from "../failures/words";
 import type { Validation } from "./useValidation";
 
 /** Goes to the field of a problem, or to the part of the form that is next to its place. */
@@ -24,6 +25,7 @@ export function jumpTo(pointer: string): void {
 /** Whether it can be started, what is wrong, and the button that starts it. */
 export function Outcome<Answer extends { readonly notes: readonly string[] }>({
   action,
+  counted,
   hasScenario,
   validation,
   ready,
@@ -34,6 +36,8 @@ export function Outcome<Answer extends { readonly notes: readonly string[] }>({
 }: {
   /** The words of the button. */
   readonly action: string;
+  /** The oracles whose violations count. */
+  readonly counted: readonly string[];
   readonly hasScenario: boolean;
   readonly validation: Validation<Answer>;
   /** What can be started, in words. */
@@ -85,6 +89,7 @@ export function Outcome<Answer extends { readonly notes: readonly string[] }>({
             <Notes notes={answer.notes} />
           </>
         )}
+        {hasScenario && <Counted names={counted} />}
         <button
           type="button"
           className="primary start-button"
@@ -97,6 +102,18 @@ export function Outcome<Answer extends { readonly notes: readonly string[] }>({
         {error && <Refused error={error} />}
       </div>
     </section>
+  );
+}
+
+/** What will count as a failure; a press leads to its choice. */
+function Counted({ names }: { readonly names: readonly string[] }) {
+  return (
+    <p>
+      Counts: {names.map(plain).join(", ") || "nothing"}{" "}
+      <button type="button" className="plain change" onClick={() => jumpTo("/oracles")}>
+        Change
+      </button>
+    </p>
   );
 }
 

@@ -1,13 +1,12 @@
 import { type DragEvent, useState } from "react";
 import { fieldId, Problems } from "../../components/fields/Field";
 import { readDocument } from "../../documents/files";
-import { type SeedScenario, scenarioPointer, withScenario } from "./draft";
+import { countingViolated } from "./counting";
+import { type FoundScenario, type SeedScenario, scenarioPointer, withScenario } from "./draft";
 import type { Form } from "./form";
 import { ScenarioSources } from "./ScenarioSources";
 import { Section } from "./Section";
 import { partsOf } from "./scenarioWords";
-
-type Added = Omit<SeedScenario, "id">;
 
 /** The scenarios from which is searched: files, runs and examples. */
 export function ScenarioSection({
@@ -22,9 +21,12 @@ export function ScenarioSection({
   const { scenarios } = draft;
   const [refusals, setRefusals] = useState<readonly string[]>(refusal ? [refusal] : []);
   const [isOver, setOver] = useState(false);
-  const add = (added: readonly Added[]) => {
+  const add = (added: readonly FoundScenario[]) => {
     setRefusals([]);
-    change((now) => ({ ...now, scenarios: added.reduce(withScenario, now.scenarios) }));
+    change((now) => {
+      const next = { ...now, scenarios: added.reduce(withScenario, now.scenarios) };
+      return countingViolated(form.catalogues, next, now);
+    });
   };
   const addFiles = async (files: readonly File[]) => {
     const read = await Promise.allSettled(

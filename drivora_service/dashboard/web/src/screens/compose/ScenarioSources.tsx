@@ -4,9 +4,7 @@ import { api, body } from "../../api/client";
 import type { JsonObject } from "../../components/fields/pointers";
 import { ofRun } from "./beginning";
 import "./compose.css";
-import type { SeedScenario } from "./draft";
-
-type Added = Omit<SeedScenario, "id">;
+import type { FoundScenario } from "./draft";
 
 /** Where scenarios come from: files, runs of the service and examples. */
 export function ScenarioSources({
@@ -17,7 +15,7 @@ export function ScenarioSources({
 }: {
   readonly isFirst: boolean;
   readonly onFiles: (files: readonly File[]) => void;
-  readonly onAdd: (scenario: Added) => void;
+  readonly onAdd: (scenario: FoundScenario) => void;
   readonly onRefused: (text: string) => void;
 }) {
   return (
@@ -50,7 +48,7 @@ export function RunSource({
   onAdd,
   onRefused,
 }: {
-  readonly onAdd: (scenario: Added) => void;
+  readonly onAdd: (scenario: FoundScenario) => void;
   readonly onRefused: (text: string) => void;
 }) {
   const [id, setId] = useState("");
@@ -101,7 +99,7 @@ export function RunSource({
 }
 
 /** Chooses one of the example scenarios of the package. */
-export function ExampleSource({ onAdd }: { readonly onAdd: (scenario: Added) => void }) {
+export function ExampleSource({ onAdd }: { readonly onAdd: (scenario: FoundScenario) => void }) {
   const [name, setName] = useState("");
   const { data } = useQuery({
     queryKey: ["example-scenarios"],

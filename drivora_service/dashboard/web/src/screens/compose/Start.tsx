@@ -19,6 +19,7 @@ export function Start<
   Started extends { readonly id: string },
 >({
   kind,
+  counted,
   draft,
   document,
   validation,
@@ -26,6 +27,8 @@ export function Start<
   ready,
 }: {
   readonly kind: Kind;
+  /** The oracles whose violations count. */
+  readonly counted: readonly string[];
   readonly draft: Draft;
   readonly document: JsonObject;
   readonly validation: Validation<Answer>;
@@ -66,6 +69,7 @@ export function Start<
   return (
     <Outcome
       action={`Start the ${kind}`}
+      counted={counted}
       hasScenario={draft.scenarios.length > 0}
       validation={validation}
       ready={ready}

@@ -2,11 +2,15 @@ import { useQuery } from "@tanstack/react-query";
 import { firstOf, type Search, stringifySearch, valuesOf } from "../../address";
 import { api, body } from "../../api/client";
 import { isObject, type JsonObject } from "../../components/fields/pointers";
-import { type Kind, type SeedScenario, withScenario } from "./draft";
+import { violatedAtFault } from "./counting";
+import { type FoundScenario, type Kind, type SeedScenario, withScenario } from "./draft";
 import { townOf } from "./scenarioWords";
 
 /** Under which another screen leaves a scenario, as JSON text, before it opens a form. */
 export const HANDED_OVER = "drivora:scenario";
+
+/** Under which it leaves the scenario's name and the run that was edited, as JSON text. */
+export const HANDED_OVER_FROM = "drivora:scenario-from";
 
 /** What a form begins with, by its address. */
 export interface Beginning {
@@ -20,28 +24,27 @@ export interface Beginning {
 }
 
 type Found = Omit<Beginning, "source">;
-type Added = Omit<SeedScenario, "id">;
-
 /** Reads what the address names: runs, an evaluation, a campaign, a study, or a handed scenario. */
 export function useBeginning(kind: Kind, search: Search) {
-  const handed =
-    firstOf(search, "from") === "author" ? (sessionStorage.getItem(HANDED_OVER) ?? "") : "";
+  const isHanded = firstOf(search, "from") === "author";
+  const handed = isHanded ? (sessionStorage.getItem(HANDED_OVER) ?? "") : "";
+  const from = isHanded ? (sessionStorage.getItem(HANDED_OVER_FROM) ?? "") : "";
   return useQuery({
-    queryKey: ["beginning", kind, stringifySearch(search), handed],
+    queryKey: ["beginning", kind, stringifySearch(search), handed, from],
     queryFn: async (): Promise<Beginning> => ({
       source: `${kind}${stringifySearch(search)} ${handed}`,
-      ...(await found(kind, search, handed)),
+      ...(await found(kind, search, handed, from)),
     }),
     gcTime: 0,
   });
 }
 
-async function found(kind: Kind, search: Search, handed: string): Promise<Found> {
+async function found(kind: Kind, search: Search, handed: string, from: string): Promise<Found> {
   const runs = valuesOf(search, "run");
   const campaign = firstOf(search, "campaign");
   const evaluation = firstOf(search, "evaluation");
   const study = firstOf(search, "study");
-  if (firstOf(search, "from") === "author") return handedOver(handed);
+  if (firstOf(search, "from") === "author") return handedOver(handed, from);
   if (runs.length > 0) return { scenarios: together(await Promise.all(runs.map(ofRun))) };
   if (campaign && evaluation)
     return { scenarios: together([await ofEvaluation(campaign, evaluation)]) };
@@ -50,34 +53,43 @@ async function found(kind: Kind, search: Search, handed: string): Promise<Found>
   return { scenarios: [] };
 }
 
-function together(added: readonly Added[]): readonly SeedScenario[] {
+function together(added: readonly FoundScenario[]): readonly SeedScenario[] {
   return added.reduce<readonly SeedScenario[]>(withScenario, []);
 }
 
 /** Reads the scenario that a run has driven. */
-export async function ofRun(id: string): Promise<Added> {
+export async function ofRun(id: string): Promise<FoundScenario> {
   const params = { path: { run_id: id } };
   const [run, scenario] = await Promise.all([
     api.GET("/api/v1/runs/{run_id}", { params }),
     api.GET("/api/v1/runs/{run_id}/scenario", { params }),
   ]);
   const document = body(scenario) as unknown as JsonObject;
-  const { label, town } = body(run);
-  return { label: label || town, origin: `of run ${id}`, document };
+  const { label, town, verdicts } = body(run);
+  return {
+    label: label || town,
+    origin: `of run ${id}`,
+    document,
+    run: id,
+    violated: violatedAtFault(verdicts),
+  };
 }
 
 /** Reads the scenario of an evaluation. */
-export async function ofEvaluation(campaign: string, evaluation: string): Promise<Added> {
-  const path = { campaign_id: campaign, number: Number(evaluation) };
-  const document = body(
-    await api.GET("/api/v1/campaigns/{campaign_id}/evaluations/{number}/scenario", {
-      params: { path },
-    }),
-  ) as unknown as JsonObject;
+export async function ofEvaluation(campaign: string, evaluation: string): Promise<FoundScenario> {
+  const params = { path: { campaign_id: campaign, number: Number(evaluation) } };
+  const path = "/api/v1/campaigns/{campaign_id}/evaluations/{number}";
+  const [told, scenario] = await Promise.all([
+    api.GET(path, { params }),
+    api.GET(`${path}/scenario`, { params }),
+  ]);
+  const document = body(scenario) as unknown as JsonObject;
   return {
     label: `${townOf(document)} ${evaluation}`,
     origin: `of evaluation ${evaluation} of a campaign`,
     document,
+    run: `${campaign}-${evaluation}`,
+    violated: violatedAtFault(body(told).verdicts),
   };
 }
 
@@ -105,18 +117,34 @@ function again(name: string): string {
   return /, again( \d+)?$/.test(name) ? name : `${name.slice(0, LONGEST - 7)}, again`;
 }
 
-function handedOver(text: string): Found {
-  try {
-    const document: unknown = JSON.parse(text);
-    if (isObject(document)) {
-      const label = townOf(document) ? `${townOf(document)}, authored` : "authored";
-      return { scenarios: together([{ label, origin: "of the author screen", document }]) };
-    }
-  } catch {
-    // Told below.
-  }
-  return {
-    scenarios: [],
-    refusal: "The author screen has left no scenario in this tab. Open it and choose Vary again.",
+async function handedOver(text: string, from: string): Promise<Found> {
+  const document = parsed(text);
+  if (!isObject(document))
+    return {
+      scenarios: [],
+      refusal: "The author screen has left no scenario in this tab. Open it and choose Vary again.",
+    };
+  const about = parsed(from);
+  const { label, run } = isObject(about) ? about : {};
+  const authored = townOf(document) ? `${townOf(document)}, authored` : "authored";
+  const scenario: FoundScenario = {
+    label: typeof label === "string" && label ? label : authored,
+    origin: "of the author screen",
+    document,
   };
+  const edited =
+    typeof run === "string" && run ? await ofRun(run).catch(() => undefined) : undefined;
+  return {
+    scenarios: together([
+      edited ? { ...scenario, run: edited.run, violated: edited.violated } : scenario,
+    ]),
+  };
+}
+
+function parsed(text: string): unknown {
+  try {
+    return JSON.parse(text);
+  } catch {
+    return undefined;
+  }
 }

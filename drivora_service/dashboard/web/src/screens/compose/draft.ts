@@ -9,7 +9,14 @@ export interface SeedScenario {
   readonly document: JsonObject;
   /** Its own variable parts, in a study. */
   readonly space?: JsonObject | undefined;
+  /** The id of the run that drove it. */
+  readonly run?: string | undefined;
+  /** Oracles that this run violated at an ego's fault. */
+  readonly violated?: readonly string[] | undefined;
 }
+
+/** A scenario before it has its place in a form. */
+export type FoundScenario = Omit<SeedScenario, "id">;
 
 /** What a form holds: the seed scenarios, and the document without them and without defaults. */
 export interface Draft {
@@ -119,7 +126,7 @@ export function labelled(text: string, longest = LONGEST_LABEL): string {
 /** Returns scenarios with another at the end, whose label no other has. */
 export function withScenario(
   scenarios: readonly SeedScenario[],
-  added: Omit<SeedScenario, "id">,
+  added: FoundScenario,
 ): readonly SeedScenario[] {
   const taken = new Set(scenarios.map(({ label }) => label));
   const wanted = labelled(added.label) || "scenario";
