@@ -231,6 +231,7 @@ it(
     await expect.poll(() => answer(page), PATIENT).toBe("1 problem: it cannot be run yet");
     expect(await page.getByRole("button", { name: "Run", exact: true }).isDisabled()).toBe(true);
     await page.getByRole("button", { name: "Fields", exact: true }).click();
+    expect(await page.locator(".author-problems button").innerText()).toContain("start time:");
     await page.locator(".author-problems button").click();
     const field = page.getByRole("spinbutton", { name: "Start time" });
     await expect
@@ -239,6 +240,36 @@ it(
     await field.fill("2");
     await expect.poll(() => answer(page), PATIENT).toContain("It can be run");
     expect((await draft(page)).ego_vehicles[0]?.start_time).toBe(2);
+    await context.close();
+  },
+  LIMIT_MS,
+);
+
+it(
+  "a fresh scenario tells that it has no ego, leads to placing one, and the map keeps its place",
+  async () => {
+    const { page, context, complaints } = await open(browser, `${url}/author`);
+    await begin(page);
+    const problem = page.locator(".author-problems button");
+    await problem.waitFor();
+    expect(await problem.innerText()).toContain(
+      "ego vehicles: found no item; at least 1 is needed",
+    );
+    // Under the fields of the scenario, it would be told of another thing.
+    expect(await page.locator(".author-side .problem").count()).toBe(0);
+    expect(await page.getByRole("button", { name: "Undo" }).isDisabled()).toBe(true);
+    const before = await page.locator(".map canvas").boundingBox();
+    await problem.click();
+    const tool = page.getByRole("button", { name: "+ ego" });
+    expect(await tool.getAttribute("aria-pressed")).toBe("true");
+    await page.keyboard.press("Escape");
+    await page.getByLabel("Kind of place").selectOption("left turn that gives way");
+    await page.locator(".author-place button").first().click();
+    await page.getByRole("button", { name: "Ego drives it" }).click();
+    await expect.poll(() => answer(page), PATIENT).toBe("It can be run");
+    expect(await page.locator(".map canvas").boundingBox()).toEqual(before);
+    expect(await page.getByRole("button", { name: "Undo" }).isEnabled()).toBe(true);
+    expect(complaints).toEqual([]);
     await context.close();
   },
   LIMIT_MS,
@@ -301,6 +332,39 @@ it(
     await page.getByRole("button", { name: /actors?, 20/ }).click();
     await expect.poll(() => answer(page), PATIENT).toContain("It can be run");
     expect(complaints).toEqual([]);
+    await context.close();
+  },
+  LIMIT_MS,
+);
+
+it(
+  "a run that was edited keeps its name, and is compared with what was tried",
+  async () => {
+    const { label, town } = await api.get<{ label: string; town: string }>(`/runs/${made.run}`);
+    const name = label || town;
+    const { page, context } = await open(browser, `${url}/author?run=${made.run}`);
+    await page.locator(".author .map canvas").waitFor();
+    expect(await page.getByRole("button", { name: "Undo" }).isDisabled()).toBe(true);
+    await page.getByRole("spinbutton", { name: "Seed" }).fill("4711");
+    expect((await draft(page)).seed).toBe(4711);
+    // The origin is kept with the draft.
+    await page.reload();
+    await page.locator(".author .map canvas").waitFor();
+    await expect.poll(() => answer(page), PATIENT).toContain("It can be run");
+    await page.getByRole("button", { name: "Run", exact: true }).click();
+    await page.locator(".author-try .verdict-line").waitFor({ timeout: 60_000 });
+    const run = (await page.getByRole("link", { name: "The run with" }).getAttribute("href")) ?? "";
+    const id = run.slice(run.lastIndexOf("/") + 1);
+    expect((await api.get<{ label: string }>(`/runs/${id}`)).label).toBe(`${name}, edited`);
+    await page.getByRole("link", { name: "Compare with the run it was edited from" }).click();
+    await page.waitForURL(`**/runs/${id}?with=${made.run}`);
+    await page.locator(".map canvas").waitFor();
+    await page.goto(`${url}/author`);
+    await page.getByRole("button", { name: "New", exact: true }).click();
+    await page
+      .getByRole("button", { name: `${name}, edited, ` })
+      .first()
+      .waitFor();
     await context.close();
   },
   LIMIT_MS,

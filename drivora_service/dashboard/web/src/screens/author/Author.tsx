@@ -29,7 +29,8 @@ export function Author() {
     const key = JSON.stringify(source);
     if (!asked.data || !source || opened.current === key) return;
     opened.current = key;
-    open(asked.data);
+    const { document, label, run = "" } = asked.data;
+    open(document, { label, run });
     // What is written from here on is the draft; a reload does not begin again.
     void navigate({ to: ".", search: {}, replace: true });
   }, [asked.data, source, open, navigate]);

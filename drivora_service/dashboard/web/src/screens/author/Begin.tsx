@@ -1,4 +1,5 @@
 import { useState } from "react";
+import type { FoundScenario } from "../compose/draft";
 import { ExampleSource, RunSource } from "../compose/ScenarioSources";
 import { useEarlier, wordsOf } from "./earlier";
 import { FileChoice } from "./FileChoice";
@@ -18,6 +19,8 @@ export function Begin({
 }) {
   const [refusal, setRefusal] = useState("");
   const earlier = useEarlier();
+  const add = ({ document, label, run = "" }: FoundScenario) =>
+    draft.open(document, { label, run });
   return (
     <>
       <div className="head">
@@ -44,8 +47,8 @@ export function Begin({
         <h2>Or begin with a scenario</h2>
         <div className="sources">
           <FileChoice onOpen={draft.open} onRefused={setRefusal} />
-          <RunSource onAdd={({ document }) => draft.open(document)} onRefused={setRefusal} />
-          <ExampleSource onAdd={({ document }) => draft.open(document)} />
+          <RunSource onAdd={add} onRefused={setRefusal} />
+          <ExampleSource onAdd={add} />
         </div>
         {earlier.length > 0 && (
           <>
@@ -53,7 +56,10 @@ export function Begin({
             <ul className="author-towns">
               {earlier.map((one) => (
                 <li key={one.at}>
-                  <button type="button" onClick={() => draft.open(one.scenario)}>
+                  <button
+                    type="button"
+                    onClick={() => draft.open(one.scenario, one.origin, one.isEdited)}
+                  >
                     {wordsOf(one)}
                   </button>
                 </li>

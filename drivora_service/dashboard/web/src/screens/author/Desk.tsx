@@ -42,10 +42,11 @@ export function Desk({
     <>
       <div className="head">
         <h1>Scenario on {name}</h1>
-        <p className="answer">A run of what is written</p>
+        <p className="answer">A run of {draft.origin ? draft.name : "what is written"}</p>
       </div>
       <TryRun
         id={desk.run.data.id}
+        editedFrom={draft.origin?.run ?? ""}
         geometry={geometry}
         camera={desk.camera.current}
         onBack={() => desk.run.reset()}

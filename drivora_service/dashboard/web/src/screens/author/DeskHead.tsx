@@ -36,7 +36,7 @@ export function DeskHead({ desk }: { readonly desk: Desk }) {
           <button type="button" onClick={() => draft.open({})} title="Begin with a network">
             New
           </button>
-          <FileChoice onOpen={draft.open} onRefused={setRefusal} />
+          <FileChoice onOpen={draft.replace} onRefused={setRefusal} />
           <button
             type="button"
             onClick={desk.vary}

@@ -44,7 +44,7 @@ export function DeskMap({
             + {NOUNS[list]}
           </button>
         ))}
-        <span className="quiet" role="status">
+        <span className="quiet author-tool-words" role="status">
           {toolWords(tool, id)}
         </span>
         {tool.kind === "extend" && (

@@ -1,6 +1,7 @@
 import { useRef } from "react";
 import type { JsonObject } from "../../components/fields/pointers";
 import { readDocument } from "../../documents/files";
+import type { Origin } from "./origin";
 
 const LARGEST_BYTES = 8_000_000;
 
@@ -9,7 +10,7 @@ export function FileChoice({
   onOpen,
   onRefused,
 }: {
-  readonly onOpen: (document: JsonObject) => void;
+  readonly onOpen: (document: JsonObject, origin: Origin) => void;
   readonly onRefused: (message: string) => void;
 }) {
   const input = useRef<HTMLInputElement>(null);
@@ -18,9 +19,9 @@ export function FileChoice({
     if (file.size > LARGEST_BYTES)
       return onRefused(`${file.name} is longer than ${LARGEST_BYTES / 1e6} MB.`);
     try {
-      const { document } = await readDocument(file.name, await file.text());
+      const { name, document } = await readDocument(file.name, await file.text());
       onRefused("");
-      onOpen(document);
+      onOpen(document, { label: name, run: "" });
     } catch (error) {
       onRefused(error instanceof Error ? error.message : String(error));
     }

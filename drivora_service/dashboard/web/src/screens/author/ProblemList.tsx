@@ -2,6 +2,7 @@ import type { Schemas } from "../../api/client";
 import type { JsonObject } from "../../components/fields/pointers";
 import { fixed } from "../../components/numbers";
 import { placeWords } from "./placeWords";
+import { noActorYet } from "./scenario";
 import type { ShownActor } from "./shownActors";
 
 /** Everything that is wrong, or worth knowing; a press goes to its place. */
@@ -22,16 +23,22 @@ export function ProblemList({
 }) {
   const problems = inspection?.problems ?? [];
   const notes = inspection?.notes ?? [];
-  if (!unreadable && problems.length + notes.length + detours.length === 0) return null;
+  const isEmpty = !unreadable && problems.length + notes.length + detours.length === 0;
   return (
     <section className="author-problems" aria-label="Problems and notes">
       <ul>
+        {isEmpty && (
+          <li className="quiet">{inspection ? "No problems, no notes" : "Being checked"}</li>
+        )}
         {unreadable && <li className="problem">{unreadable} The map shows what was read last.</li>}
         {problems.map(({ pointer, code, message }) => (
           <li key={`${pointer} ${code} ${message}`}>
             <button type="button" className="plain problem" onClick={() => onGo(pointer)}>
               <span>
-                <strong>{placeWords(scenario, pointer)}</strong> {message}
+                <strong>{placeWords(scenario, pointer)}:</strong> {message}
+                {noActorYet(scenario, pointer) && (
+                  <span className="author-jump"> Place one on the map</span>
+                )}
               </span>
             </button>
           </li>

@@ -63,7 +63,6 @@ export function ScenarioProperties({
             <Problems problems={problems} />
           </div>
         </div>
-        <Problems problems={problemsAt(editing.problems, "/ego_vehicles")} />
         <Fields
           pointer=""
           properties={propertiesOf(definitions.ScenarioDocument, definitions)}

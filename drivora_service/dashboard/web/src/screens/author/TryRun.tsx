@@ -28,9 +28,12 @@ export function TryRun({
   id,
   geometry,
   camera,
+  editedFrom,
   onBack,
 }: {
   readonly id: string;
+  /** The id of the run whose scenario was edited; "" for none. */
+  readonly editedFrom: string;
   readonly geometry: Schemas["NetworkGeometry"];
   readonly camera: Camera | undefined;
   readonly onBack: () => void;
@@ -51,6 +54,7 @@ export function TryRun({
         <Link to="/runs/$runId" params={{ runId: id }} search={{}}>
           The run with all its values
         </Link>
+        {run?.trace_sha256 && editedFrom && <CompareLink id={id} editedFrom={editedFrom} />}
         {run?.error && <span className="problem">{run.error.message}</span>}
       </p>
       {error || unread ? (
@@ -67,6 +71,26 @@ export function TryRun({
         <Loading rows={8} />
       )}
     </div>
+  );
+}
+
+/** Leads to both runs in step, if the one that was edited is still there and recorded. */
+function CompareLink({ id, editedFrom }: { readonly id: string; readonly editedFrom: string }) {
+  const { data: before } = useQuery({ ...runQuery(editedFrom), retry: false });
+  if (!before) return null;
+  if (!before.trace_sha256)
+    return (
+      <span className="quiet">The run it was edited from has no recording to compare with</span>
+    );
+  return (
+    <Link
+      to="/runs/$runId"
+      params={{ runId: id }}
+      search={{ with: editedFrom }}
+      title={before.label || editedFrom}
+    >
+      Compare with the run it was edited from
+    </Link>
   );
 }
 

@@ -1,5 +1,7 @@
 import { isObject, type JsonObject } from "../../components/fields/pointers";
 import { useRemembered } from "../../lists/remembered";
+import type { Written } from "./history";
+import { type Origin, originWords, readOrigin } from "./origin";
 import { actorsOf, townOf } from "./scenario";
 
 const KEY = "drivora:drafts";
@@ -10,14 +12,20 @@ export interface Earlier {
   /** When it was left, ISO 8601. */
   readonly at: string;
   readonly scenario: JsonObject;
+  /** What it was opened from; undefined of one that began with a network. */
+  readonly origin?: Origin | undefined;
+  readonly isEdited?: boolean;
 }
 
 /** Keeps a scenario that another takes the place of, if there is anything in it. */
-export function keepEarlier(scenario: JsonObject): void {
+export function keepEarlier({ document: scenario, origin, isEdited }: Written): void {
   if (actorsOf(scenario).length === 0) return;
   const text = JSON.stringify(scenario);
   const others = stored().filter((one) => JSON.stringify(one.scenario) !== text);
-  const all = [{ at: new Date().toISOString(), scenario }, ...others].slice(0, MOST);
+  const all = [{ at: new Date().toISOString(), scenario, origin, isEdited }, ...others].slice(
+    0,
+    MOST,
+  );
   try {
     localStorage.setItem(KEY, JSON.stringify(all));
   } catch {
@@ -32,11 +40,12 @@ export function useEarlier(): readonly Earlier[] {
   return earlier;
 }
 
-/** Returns the words for one: its network, its actors, when it was left. */
-export function wordsOf({ at, scenario }: Earlier): string {
+/** Returns the words for one: what it was opened from or its network, its actors, when it was left. */
+export function wordsOf({ at, scenario, origin, isEdited = false }: Earlier): string {
   const actors = actorsOf(scenario).length;
   const when = at.slice(0, 16).replace("T", " ");
-  return `${townOf(scenario)}, ${actors} ${actors === 1 ? "actor" : "actors"}, ${when}`;
+  const name = origin ? originWords(origin, isEdited) : townOf(scenario);
+  return `${name}, ${actors} ${actors === 1 ? "actor" : "actors"}, ${when}`;
 }
 
 function stored(): readonly Earlier[] {
@@ -49,7 +58,16 @@ function stored(): readonly Earlier[] {
 
 function read(found: unknown): readonly Earlier[] {
   if (!Array.isArray(found)) return [];
-  return found.filter(
-    (one): one is Earlier => isObject(one) && typeof one.at === "string" && isObject(one.scenario),
+  return found.flatMap((one: unknown) =>
+    isObject(one) && typeof one.at === "string" && isObject(one.scenario)
+      ? [
+          {
+            at: one.at,
+            scenario: one.scenario,
+            origin: readOrigin(one.origin),
+            isEdited: one.isEdited === true,
+          },
+        ]
+      : [],
   );
 }

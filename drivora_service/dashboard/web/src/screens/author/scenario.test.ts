@@ -4,6 +4,7 @@ import {
   actorOf,
   actorsOf,
   emptyScenario,
+  noActorYet,
   withActor,
   withCopy,
   without,
@@ -94,4 +95,12 @@ it("a place of the document belongs to its actor, or to none", () => {
   expect(actorOf("/npc_vehicles")).toBe("");
   expect(actorOf("/weather/wetness")).toBe("");
   expect(actorOf("")).toBe("");
+});
+
+it("a list of actors without one is told apart from a place in it", () => {
+  const empty = emptyScenario("tee-town");
+  expect(noActorYet(empty, "/ego_vehicles")).toBe("ego_vehicles");
+  expect(noActorYet(empty, "/map_region/town")).toBeUndefined();
+  expect(noActorYet(twoActors(), "/ego_vehicles")).toBeUndefined();
+  expect(noActorYet(twoActors(), "/ego_vehicles/0")).toBeUndefined();
 });

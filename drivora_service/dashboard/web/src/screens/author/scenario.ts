@@ -116,6 +116,12 @@ export function listNameOf(pointer: string): ListName | undefined {
   return LISTS.find((list) => list === keysOf(pointer)[0]);
 }
 
+/** Returns the list that a place of the document is, if it is one without actors. */
+export function noActorYet(scenario: JsonObject, pointer: string): ListName | undefined {
+  const list = listNameOf(pointer);
+  return list && pointer === `/${list}` && listOf(scenario, list).length === 0 ? list : undefined;
+}
+
 /** A place to be written, in the document's frame. */
 export interface NewPlace {
   readonly x: number;

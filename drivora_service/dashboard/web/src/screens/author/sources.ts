@@ -1,7 +1,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { firstOf, type Search } from "../../address";
-import type { JsonObject } from "../../components/fields/pointers";
 import { ofEvaluation, ofRun } from "../compose/beginning";
+import type { FoundScenario } from "../compose/draft";
 
 /** Where a scenario comes from that an address names. */
 export interface Source {
@@ -25,9 +25,9 @@ export function useSource(source: Source | undefined) {
   return useQuery({
     queryKey: ["scenario", source],
     enabled: source !== undefined,
-    queryFn: async (): Promise<JsonObject> => {
+    queryFn: async (): Promise<FoundScenario> => {
       const { run = "", campaign = "", evaluation = "" } = source ?? {};
-      return (run ? await ofRun(run) : await ofEvaluation(campaign, evaluation)).document;
+      return run ? await ofRun(run) : await ofEvaluation(campaign, evaluation);
     },
   });
 }

@@ -6,7 +6,7 @@ import { fieldId } from "../../components/fields/Field";
 import { isObject, type JsonObject, keysOf, valueAt } from "../../components/fields/pointers";
 import type { Camera } from "../../roads/camera";
 import { useScope } from "../../shell/session";
-import { HANDED_OVER } from "../compose/beginning";
+import { HANDED_OVER, HANDED_OVER_FROM } from "../compose/beginning";
 import { extentOf, type Part } from "../networks/search";
 import type { Chosen } from "./AuthorLayer";
 import type { AuthorMapHandle } from "./AuthorMap";
@@ -16,6 +16,7 @@ import { planeOf, toDocument } from "./plane";
 import {
   actorOf,
   listNameOf,
+  noActorYet,
   withActor,
   withCopy,
   without,
@@ -78,7 +79,7 @@ export function useDesk(
     mutationFn: async () =>
       body(
         await api.POST("/api/v1/jobs", {
-          params: { query: { label: `draft on ${geometry.name}` } },
+          params: { query: { label: draft.name } },
           body: scenario as unknown as Schemas["ScenarioDocument"],
         }),
       ),
@@ -167,6 +168,12 @@ export function useDesk(
     fit: () => map.current?.fit(extentOfActors(actors)),
     /** Leads to a place of the document: on the map, and in the fields or the text. */
     go: (pointer: string) => {
+      const missing = noActorYet(scenario, pointer);
+      if (missing) {
+        setChosen(NOTHING);
+        setTool({ kind: "add", list: missing });
+        return;
+      }
       setAsked({ pointer });
       const shown = actors.find((one) => one.pointer === actorOf(pointer));
       const place = shown?.places.find((one) => `${pointer}/`.startsWith(`${one.pointer}/`));
@@ -174,26 +181,34 @@ export function useDesk(
       const at: Pick<ShownActor, "x" | "y"> | undefined = place ?? shown;
       if (at) map.current?.look(at.x, at.y);
       // The fields of what has been chosen are there with the next frame.
-      if (side === "fields") requestAnimationFrame(() => focusField(pointer));
+      if (side === "fields")
+        requestAnimationFrame(() => {
+          // What is in no field, and belongs to no actor, is in the text alone.
+          if (!focusField(pointer) && !actorOf(pointer)) setSide("text");
+        });
     },
     start: () => canRun && run.mutate(),
     vary: () => {
+      const { name, origin } = draft;
+      const about = origin && { label: name, run: origin.run };
       sessionStorage.setItem(HANDED_OVER, JSON.stringify(scenario));
+      sessionStorage.setItem(HANDED_OVER_FROM, JSON.stringify(about ?? null));
       void navigate({ to: "/campaigns/new", search: { from: "author" } });
     },
   };
 }
 
-/** Brings the field of a place, or the nearest around it, into sight. */
-function focusField(pointer: string): void {
+/** Brings the field of a place, or the nearest around it, into sight; false if there is none. */
+function focusField(pointer: string): boolean {
   for (let rest = pointer; rest !== ""; rest = rest.slice(0, rest.lastIndexOf("/"))) {
     const field = document.getElementById(fieldId(rest));
     if (!field) continue;
     for (const part of ancestorsOf(field)) part.open = true;
     field.scrollIntoView({ block: "center" });
     field.focus();
-    return;
+    return true;
   }
+  return false;
 }
 
 function ancestorsOf(element: HTMLElement): readonly HTMLDetailsElement[] {
