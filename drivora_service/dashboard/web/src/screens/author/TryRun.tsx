@@ -134,7 +134,7 @@ function Player({
     <>
       <VerdictLine
         verdicts={run.verdicts}
-        untilOf={(verdict) => avoidableUntil(violations, verdict, recording.stepLength)}
+        untilOf={avoidableUntil}
         onMoment={(time) => {
           clock.pause();
           clock.seek(time);

@@ -3,7 +3,7 @@ import type { Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { fixed } from "../../components/numbers";
 import { lookOfRun } from "../runs/status";
-import { avoidableUntilOf } from "./avoidable";
+import { avoidableUntil } from "./avoidable";
 import { type Pace, type Parting, partingWords } from "./difference";
 import { blameWords, gravestFirst, oracleName, toneOf } from "./verdictWords";
 import "./compare.css";
@@ -95,7 +95,7 @@ function Gravest({ run }: { readonly run: Schemas["Run"] }) {
   const gravest = gravestFirst(run.verdicts).find(({ severity }) => severity !== "observation");
   if (!gravest) return null;
   const { oracle, ego, message, time } = gravest;
-  const blame = blameWords(gravest, avoidableUntilOf(gravest));
+  const blame = blameWords(gravest, avoidableUntil(gravest));
   return (
     <span className="gravest">
       <Mark sign="✕" tone={toneOf(gravest)} text={`${oracleName(oracle)}, ${ego}: ${message}`} />

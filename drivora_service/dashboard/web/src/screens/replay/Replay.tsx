@@ -9,7 +9,7 @@ import { useKeys } from "../../shell/keys";
 import { ActorList } from "./ActorList";
 import { AgentLog } from "./AgentLog";
 import { readState, stretchWords, TRAILS, trailsText } from "./address";
-import { avoidableUntilOf } from "./avoidable";
+import { avoidableUntil } from "./avoidable";
 import { CompareChoice } from "./CompareChoice";
 import { Caption, CompareLine } from "./CompareLine";
 import { Controls } from "./Controls";
@@ -191,7 +191,7 @@ function Player({
 
   return (
     <div className="replay">
-      <VerdictLine verdicts={run.verdicts} untilOf={avoidableUntilOf} onMoment={jump} />
+      <VerdictLine verdicts={run.verdicts} untilOf={avoidableUntil} onMoment={jump} />
       {state.beside && (
         <CompareLine
           other={second.run}

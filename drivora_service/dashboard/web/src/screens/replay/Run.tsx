@@ -12,7 +12,7 @@ import { SearchFrom } from "../compose/SearchFrom";
 import { minimizationOf } from "../minimizations/minimization";
 import { lookOfRun } from "../runs/status";
 import { againCommand } from "./againCommand";
-import { avoidableUntilOf } from "./avoidable";
+import { avoidableUntil } from "./avoidable";
 import { originOf } from "./compareChoices";
 import { Minimised, MinimizeRun } from "./MinimizeRun";
 import { Replay } from "./Replay";
@@ -225,7 +225,7 @@ const VERDICTS: readonly Column<Schemas["Verdict"]>[] = [
     id: "blame",
     title: "Fault",
     width: "260px",
-    cell: (verdict) => blameWords(verdict, avoidableUntilOf(verdict)),
+    cell: (verdict) => blameWords(verdict, avoidableUntil(verdict)),
   },
   {
     id: "message",
