@@ -40,10 +40,11 @@ it("runs are found by words of their label, their id or their ADS", () => {
   expect(found("none")).toEqual([]);
 });
 
-it("an id is found in what was pasted", () => {
-  const id = "01a21a7a73d2dfd3629586d5-1920";
-  expect(pastedId(` ${id} `)).toBe(id);
-  expect(pastedId(`http://localhost:8000/runs/${id}?t=3.7`)).toBe(id);
-  expect(pastedId("01a21b07556a68c3f5205e0e")).toBe("01a21b07556a68c3f5205e0e");
+it("a pasted id may be of any run: of a campaign, a second one, or of a minimisation", () => {
+  const id = "01a21b4a44af52ab832b4b8d";
+  for (const one of [id, `${id}-12`, `${id}-12-again`, `${id}-d0101d3b2ae719c`]) {
+    expect(pastedId(` ${one} `)).toBe(one);
+    expect(pastedId(`http://localhost:8000/runs/${one}?t=3.2`)).toBe(one);
+  }
   expect(pastedId("left turn")).toBe("");
 });

@@ -1,4 +1,5 @@
 import type { Schemas } from "../../api/client";
+import { isId } from "../../shell/found";
 
 type Summary = Pick<
   Schemas["RunSummary"],
@@ -51,5 +52,10 @@ export function repeatLabel(id: string): string {
 
 /** Returns the id of a run in what was pasted, an id or the address of its page; empty for none. */
 export function pastedId(text: string): string {
-  return /(?:^|\/runs\/)([\da-f]{24}(?:-\d+)?)(?:[?#].*)?$/i.exec(text.trim())?.[1] ?? "";
+  const id = text
+    .trim()
+    .replace(/[?#].*$/, "")
+    .replace(/^.*\/runs\//, "")
+    .toLowerCase();
+  return isId(id) ? id : "";
 }
