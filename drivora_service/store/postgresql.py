@@ -108,7 +108,7 @@ def lock_schema(connection: Connection) -> None:
 
 
 def give_types_of_sqlite(connection: Connection) -> None:
-    """Gives the columns of all tables types that hold and order what those of SQLite do.
+    """Changes the types of all columns, so that they hold and order values as SQLite does.
 
     Texts have no greatest length and are ordered by their characters' numbers, in every database;
     integers have 64 bits. Migrations need not say so.
