@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 
 from drivora_service.feedback.avfuzzer import SAFETY_MARGIN, AvfuzzerFeedback
 from drivora_service.feedback.behavexplor import DEGREE, BehavexplorFeedback
+from drivora_service.feedback.drivefuzz import QUALITY, DrivefuzzFeedback
 from drivora_service.feedback.measurement import Feedback
 from drivora_service.feedback.samota import VEHICLE, SamotaFeedback
 from drivora_service.observations.run_view import RunView
@@ -37,6 +38,7 @@ MEASURES: Mapping[str, Measure] = {
     "needed braking over grip": braking_margin,
     "avfuzzer": _of(AvfuzzerFeedback(), SAFETY_MARGIN),
     "behavexplor": _of(BehavexplorFeedback(), DEGREE),
+    "drivefuzz": _of(DrivefuzzFeedback(), QUALITY),
     "samota": _of(SamotaFeedback(), VEHICLE),
 }
 """The needed braking, and the objective of each method; of SAMOTA's six, that of collisions."""

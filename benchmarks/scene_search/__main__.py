@@ -7,12 +7,15 @@ the range with more, and those that are with 2,000, for which the exact interval
 
     python -m benchmarks.scene_search --out FOLDER
     python -m benchmarks.scene_search --out FOLDER --detours
+    python -m benchmarks.scene_search --out FOLDER --laws
     python -m benchmarks.scene_search --out FOLDER --show
     python -m benchmarks.scene_search --out FOLDER --write SCENES
 
 With `--detours`, also of the last two, scenes for Decictor are searched: what counts is the oracle
 `non_optimal_decision`. The last command writes the seed scenarios of the scenes in the range, for a
 study file, and prints their spaces.
+
+With `--laws`, the ways to violate traffic laws are counted that draws show, for LawBreaker.
 
 What was counted is kept in the folder, and not counted again.
 """
@@ -28,6 +31,9 @@ from dataclasses import asdict
 from pathlib import Path
 
 from benchmarks.scene_search.counting import Counts, count
+from benchmarks.scene_search.laws import count_ways
+from benchmarks.scene_search.laws import read as read_laws
+from benchmarks.scene_search.laws import show as show_laws
 from benchmarks.scene_search.scenes import detour_scenes, failing_scenes
 from benchmarks.search_scenes import Scene
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
@@ -40,6 +46,8 @@ WANTED = (0.005, 0.02)
 """Share of avoidable failures at the ego's fault."""
 STAGES = (100, 400, 2000)
 """Draws of each stage, each with a seed of its own."""
+LAW_DRAWS = 300
+"""Draws in which ways to violate laws are counted: as many as a campaign has."""
 
 
 def may_be_wanted(found: Counts) -> bool:
@@ -116,6 +124,7 @@ def main(arguments: Sequence[str]) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, required=True, help="folder of what was counted")
     parser.add_argument("--detours", action="store_true", help="needless detours, not failures")
+    parser.add_argument("--laws", action="store_true", help="ways to violate laws")
     parser.add_argument("--show", action="store_true", help="only print the table")
     parser.add_argument("--write", type=Path, help="only write the scenes in the range")
     parser.add_argument("--workers", type=int, default=2)
@@ -126,6 +135,7 @@ def main(arguments: Sequence[str]) -> None:
     if options.write is not None:
         write(scenes, ledger, options.write)
         return
+    ways = options.out / "laws.jsonl"
     if not options.show:
         with (
             tempfile.TemporaryDirectory() as folder,
@@ -135,8 +145,30 @@ def main(arguments: Sequence[str]) -> None:
                 folder=Path(folder),
             ) as executor,
         ):
-            _sift(scenes, LocalEvaluator(executor), ledger)
-    show(scenes, ledger)
+            evaluator = LocalEvaluator(executor)
+            if options.laws:
+                _count_laws(scenes, evaluator, ways)
+            else:
+                _sift(scenes, evaluator, ledger)
+    if options.laws:
+        show_laws(read_laws(ways), LAW_DRAWS)
+    else:
+        show(scenes, ledger)
+
+
+def _count_laws(scenes: Sequence[Scene], evaluator: LocalEvaluator, path: Path) -> None:
+    known = {(one.scene, one.agent) for one in read_laws(path)}
+    for scene in scenes:
+        if (scene.name, scene.driver) in known:
+            continue
+        try:
+            found = count_ways(evaluator, scene, LAW_DRAWS, seed=1000)
+        except DrivoraError as error:
+            # Such as a space whose walkers find no place around the route.
+            print(f"{scene.name}, {scene.driver}: {error}", file=sys.stderr, flush=True)
+            continue
+        with path.open("a") as file:
+            file.write(json.dumps(asdict(found)) + "\n")
 
 
 def _sift(scenes: Sequence[Scene], evaluator: LocalEvaluator, ledger: Ledger) -> None:

@@ -10,6 +10,8 @@ import numpy as np
 from benchmarks.search_scenes import Scene, prepared
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.judging import violations_of
+from drivora_service.campaigns.turns import SearchPart
+from drivora_service.geometry.arrays import FloatArray
 from drivora_service.oracles.accountability import AT_FAULT, Accountability, accountability
 from drivora_service.runs.candidate import CandidateSource
 from drivora_service.runs.report import RunReport, RunSpec, RunStatus
@@ -57,17 +59,9 @@ def count(evaluator: Evaluator, scene: Scene, draws: int, seed: int) -> Counts:
     (part,) = search.parts
     random = np.random.default_rng(seed)
     values = part.candidates.genes.sample(random, draws)
-    specs = [
-        RunSpec(
-            run_id=f"scene-{number}",
-            document="",
-            candidate=CandidateSource(space=part.candidates.source, values=tuple(one.tolist())),
-        )
-        for number, one in enumerate(values)
-    ]
     at_fault = avoidable = judged = 0
     seconds = 0.0
-    for report in _reports(evaluator, specs):
+    for report in reports(evaluator, part, list(values)):
         if report.status is not RunStatus.FINISHED:
             continue
         found = {accountability(one) for one in violations_of(report, search.oracles)}
@@ -80,7 +74,24 @@ def count(evaluator: Evaluator, scene: Scene, draws: int, seed: int) -> Counts:
     )
 
 
-def _reports(evaluator: Evaluator, specs: Sequence[RunSpec]) -> Iterator[RunReport]:
+def reports(
+    evaluator: Evaluator, part: SearchPart, values: Sequence[FloatArray]
+) -> Iterator[RunReport]:
+    """Runs candidates of a scene, and yields their reports as they come.
+
+    Args:
+        evaluator: Runs them; it has no other user meanwhile.
+        part: What is searched in the scene.
+        values: (d,) genes of each candidate.
+    """
+    specs = [
+        RunSpec(
+            run_id=f"scene-{number}",
+            document="",
+            candidate=CandidateSource(space=part.candidates.source, values=tuple(one.tolist())),
+        )
+        for number, one in enumerate(values)
+    ]
     for first in range(0, len(specs), _AT_ONCE):
         evaluator.submit(list(enumerate(specs[first : first + _AT_ONCE])))
         while answers := evaluator.wait():

@@ -47,6 +47,20 @@ def test_nine_methods_search_the_same_on_common_ground(
     assert all(len(found) == 1 for found in common.values())
 
 
+@pytest.mark.parametrize("suffix", ["", "-sumo-krauss"])
+def test_variants_of_methods_search_on_the_same_ground(suffix: str, repository: Path) -> None:
+    studies = repository / "benchmarks" / "studies"
+    own = {"name", "methods", "repetitions"}
+    nine, variants = (
+        read_study_file(studies / f"{name}{suffix}.yaml").content
+        for name in ("nine-methods", "variants")
+    )
+    assert {k: v for k, v in variants.items() if k not in own} == {
+        k: v for k, v in nine.items() if k not in own
+    }
+    assert {one["name"] for one in variants["methods"]} <= set(METHODS)
+
+
 def test_the_twin_of_deepcollision_draws_all_actions(repository: Path) -> None:
     content = read_study_file(repository / "benchmarks" / "studies" / "nine-methods.yaml").content
     own, twin = (one for one in content["methods"] if one["name"] == "deepcollision")
