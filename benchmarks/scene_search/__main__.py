@@ -34,7 +34,7 @@ from benchmarks.scene_search.counting import Counts, count
 from benchmarks.scene_search.laws import count_ways
 from benchmarks.scene_search.laws import read as read_laws
 from benchmarks.scene_search.laws import show as show_laws
-from benchmarks.scene_search.scenes import detour_scenes, failing_scenes
+from benchmarks.scene_search.scenes import detour_scenes, failing_scenes, law_scenes
 from benchmarks.search_scenes import Scene
 from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.errors import DrivoraError
@@ -46,8 +46,10 @@ WANTED = (0.005, 0.02)
 """Share of avoidable failures at the ego's fault."""
 STAGES = (100, 400, 2000)
 """Draws of each stage, each with a seed of its own."""
-LAW_DRAWS = 300
-"""Draws in which ways to violate laws are counted: as many as a campaign has."""
+LAW_DRAWS = 200
+"""Draws in which ways to violate laws are counted."""
+CAMPAIGN = 300
+"""Simulations of a campaign, of which it is told how many ways they are expected to show."""
 
 
 def may_be_wanted(found: Counts) -> bool:
@@ -147,11 +149,11 @@ def main(arguments: Sequence[str]) -> None:
         ):
             evaluator = LocalEvaluator(executor)
             if options.laws:
-                _count_laws(scenes, evaluator, ways)
+                _count_laws(list(law_scenes()), evaluator, ways)
             else:
                 _sift(scenes, evaluator, ledger)
     if options.laws:
-        show_laws(read_laws(ways), LAW_DRAWS)
+        show_laws(read_laws(ways), CAMPAIGN)
     else:
         show(scenes, ledger)
 

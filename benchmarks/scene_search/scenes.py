@@ -75,6 +75,10 @@ SPACES: Mapping[str, Mapping[str, Any]] = {
 }
 
 
+LAW_AGENT = "sumo-krauss"
+LAW_SPACES = ("traffic and walkers", "everything", "traffic that stands")
+"""An ADS that makes mistakes of its own, and what may tempt it to make them."""
+
 DETOURING_AGENTS = ("sumo-krauss", "idm-mobil")
 """They change lanes: an ADS that keeps to its lane makes no detours."""
 _IN_THE_WAY: Mapping[str, Any] = {
@@ -103,6 +107,13 @@ def failing_scenes() -> Iterator[Scene]:
                     agent=agent,
                     parameters=parameters,
                 )
+
+
+def law_scenes() -> Iterator[Scene]:
+    """Yields those of the scenes for failures at which ways to violate traffic laws are counted."""
+    for scene in failing_scenes():
+        if scene.agent == LAW_AGENT and scene.name.partition(", ")[2] in LAW_SPACES:
+            yield scene
 
 
 def detour_scenes() -> Iterator[Scene]:
