@@ -37,7 +37,6 @@ from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import make_data_folder, open_database
 from drivora_service.store.server_lock import ServerLock
 from drivora_service.store.traces import CampaignTraces, TraceFolder
-from drivora_service.studies.folder import StudyFolder
 from drivora_service.studies.service_studies import ServiceStudies
 from drivora_service.suites.minimization.runner import MinimizationRunner
 from drivora_service.worker_settings import run_limits, worker_setup
@@ -201,12 +200,7 @@ def create_service(
         campaign_folder=engine_setup.folder,
         wake=dispatcher.wake,
         campaigns=campaigns,
-        studies=ServiceStudies(
-            database,
-            campaigns,
-            folder=lambda study_id: StudyFolder(settings.studies_dir, study_id),
-            campaign_folder=engine_setup.folder,
-        ),
+        studies=ServiceStudies(database, campaigns),
         minimizations=minimizations,
         imports=imports,
         reserve=lambda _runs: "",

@@ -39,7 +39,6 @@ from drivora_service.store.command_database import CommandDatabase
 from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.traces import TraceFolder
 from drivora_service.studies.command_studies import CommandSetup, CommandStudies
-from drivora_service.studies.folder import StudyFolder
 from drivora_service.suites.minimization.runner import MinimizationRunner
 from drivora_service.worker_settings import run_limits, worker_setup
 
@@ -207,7 +206,6 @@ def create_command_app(
     studies = CommandStudies(
         CommandSetup(
             database=database,
-            folder=lambda study_id: StudyFolder(settings.studies_dir, study_id),
             campaign_folder=campaign_folder,
             catalogues=catalogues,
             pool=pooling,

@@ -170,11 +170,6 @@ class Settings(BaseSettings):
         return self.data_dir / "campaigns"
 
     @property
-    def studies_dir(self) -> Path:
-        """Folder of the locks of studies that commands run."""
-        return self.data_dir / "studies"
-
-    @property
     def tokens_path(self) -> Path:
         """File of the hashed API tokens."""
         return self.data_dir / "tokens.json"

@@ -24,8 +24,8 @@ from drivora_service.store.traces import TraceFolder
 from drivora_service.worker.parent_death import die_with_parent
 
 CANNOT_RUN = 75
-"""Exit code of a process that cannot run its campaign now: another process runs it, it is not
-queued, or the database cannot be used."""
+"""Exit code of a process that cannot run its campaign now: it is not queued, another process has
+taken it over, or the database cannot be used."""
 
 _FAILED = 1
 _PATIENCE_S = 60.0
@@ -88,6 +88,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
     os.setsid()
     _print_to(setup.log(campaign_id))
     faulthandler.enable()
+    print(f"process {os.getpid()} runs campaign {campaign_id}", flush=True)
     database = open_database(setup.database_url, patience_s=_PATIENCE_S)
     with database.read() as transaction:
         record = transaction.campaigns.get(campaign_id)
@@ -117,6 +118,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
             ),
             evaluator=evaluating,
             only_queued=True,
+            is_locked=True,
         )
     except DrivoraError as error:
         print(f"campaign {campaign_id}: {error}", flush=True)

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 
 from drivora_service.store.campaign_records import (
+    CampaignRecord,
     CampaignRequest,
+    CampaignState,
     Confirmation,
     EvaluationRecord,
     Failure,
 )
-from drivora_service.store.database import Database
+from drivora_service.store.database import Database, Transaction
 
 _PAGE = 200
 
@@ -32,16 +35,23 @@ class StoreJournal:
     """
 
     def __init__(
-        self, database: Database, campaign_id: str, *, clock: Callable[[], float] = time.monotonic
+        self,
+        database: Database,
+        campaign_id: str,
+        *,
+        claim: str = "",
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Begins with what is stored.
 
         Args:
             database: Holds the campaign.
             campaign_id: Id of the campaign.
+            claim: What the campaign was begun with; a process that only reads needs none.
             clock: Returns seconds that never go backwards.
         """
         self._database, self._campaign_id, self._clock = database, campaign_id, clock
+        self._claim = claim
         self._begun = self._counted_until = clock()
         self._unwritten: list[tuple[EvaluationRecord, str]] = []
         self._write_at = self._look_at = clock()
@@ -82,7 +92,7 @@ class StoreJournal:
             return
         # What cannot be written is not tried again: a resumed campaign makes it anew.
         entries, self._unwritten = self._unwritten, []
-        with self._database.write() as transaction:
+        with self._writing() as transaction:
             transaction.evaluations.append(self._campaign_id, entries, active_s=self.active_s())
 
     def document(self, number: int) -> str:
@@ -99,12 +109,12 @@ class StoreJournal:
 
     def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
         """Writes whether an identical run repeated the failures of an evaluation."""
-        with self._database.write() as transaction:
+        with self._writing() as transaction:
             transaction.evaluations.confirm(self._campaign_id, number, confirmation, trace=trace)
 
     def group(self, groups: Mapping[tuple[int, int], int]) -> None:
         """Writes the groups of failures."""
-        with self._database.write() as transaction:
+        with self._writing() as transaction:
             transaction.evaluations.group(self._campaign_id, groups)
 
     def requested(self) -> CampaignRequest:
@@ -119,6 +129,23 @@ class StoreJournal:
             with self._database.read() as transaction:
                 self._seen = transaction.campaigns.request_of(self._campaign_id)
         return self._seen
+
+    def end(self, state: CampaignState, message: str = "") -> CampaignRecord:
+        """Writes that the campaign has ended or paused.
+
+        Raises:
+            Conflict: Another process has taken it over.
+        """
+        with self._writing() as transaction:
+            return transaction.campaigns.end(
+                self._campaign_id, state, message=message, active_s=self.active_s()
+            )
+
+    @contextmanager
+    def _writing(self) -> Iterator[Transaction]:
+        with self._database.write() as transaction:
+            transaction.campaigns.require_claim(self._campaign_id, self._claim)
+            yield transaction
 
     def active_s(self) -> float:
         """Returns the seconds of work since the last call."""

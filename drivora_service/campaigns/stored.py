@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import replace
@@ -14,13 +15,20 @@ from drivora_service.campaigns.documents import campaign_text
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.store_journal import StoreJournal
-from drivora_service.errors import CampaignError, StoreUnavailable, WorkersCannotStart
+from drivora_service.errors import (
+    CampaignError,
+    Conflict,
+    StoreUnavailable,
+    WorkersCannotStart,
+)
 from drivora_service.store.campaign_records import (
     CampaignRecord,
     CampaignState,
     NewCampaign,
 )
 from drivora_service.store.database import Database
+from drivora_service.store.ids import new_id
+from drivora_service.store.work_locks import LongWork
 
 if TYPE_CHECKING:
     from drivora_service.campaigns.reading import ValidCampaign
@@ -52,6 +60,7 @@ def run_stored(
     evaluator: Callable[[int | None], AbstractContextManager[Evaluator]],
     watcher: Watcher = Watcher(),  # noqa: B008 # frozen
     only_queued: bool = False,
+    is_locked: bool = False,
 ) -> CampaignRecord:
     """Starts or resumes a campaign; returns when it is finished or a stop is requested.
 
@@ -63,11 +72,13 @@ def run_stored(
         evaluator: Returns the evaluator, for the campaign's number of workers.
         watcher: Callbacks; requests in the database are followed besides.
         only_queued: Whether to run it only if it is queued; see ``CampaignRepository.begin``.
+        is_locked: Whether the process that started this one has locked the campaign for it.
 
     Raises:
         Conflict: Another process runs it, it is over, or it is not queued.
         CampaignError: It cannot continue; the reason is stored.
         InvalidDocument: A name in it is no longer available.
+        StoreError: Its folder cannot be made; the campaign is unchanged.
         StoreUnavailable: The database cannot be used now; the campaign is unchanged.
         UnknownName: There is no such campaign.
         WorkersCannotStart: No worker can be started here; the campaign is paused.
@@ -77,12 +88,15 @@ def run_stored(
     from drivora_service.campaigns.reading import read_campaign
 
     use_one_thread()
-    lock = folder.lock()
-    try:
+    folder.make()
+    with contextlib.ExitStack() as stack:
+        if not is_locked:
+            stack.callback(database.locks.hold(LongWork.campaign(campaign_id)).release)
+        claim = new_id()
         with database.write() as transaction:
-            record = transaction.campaigns.begin(campaign_id, only_queued=only_queued)
+            record = transaction.campaigns.begin(campaign_id, only_queued=only_queued, claim=claim)
         watcher.on_begun()
-        journal = StoreJournal(database, campaign_id)
+        journal = StoreJournal(database, campaign_id, claim=claim)
         asking = replace(watcher, requested=lambda: watcher.requested() or journal.requested())
         try:
             valid = read_campaign(record.document, catalogues)
@@ -97,40 +111,21 @@ def run_stored(
             with evaluator(valid.campaign.workers) as evaluating:
                 state = conduct(search, evaluating, journal, traces=folder.traces, watcher=asking)
         except KeyboardInterrupt:
-            _end(database, campaign_id, CampaignState.PAUSED, journal)
+            journal.end(CampaignState.PAUSED)
             raise
         except WorkersCannotStart as error:
             # A fault of this machine, not of the campaign, which can be resumed after it.
-            _end(database, campaign_id, CampaignState.PAUSED, journal, str(error))
+            journal.end(CampaignState.PAUSED, str(error))
             raise
-        except StoreUnavailable:
-            # The fault is temporary; the campaign can be resumed from here.
+        except (StoreUnavailable, Conflict):
+            # Temporary, so that the campaign can be resumed from here; or another process has
+            # taken it over.
             raise
         except Exception as error:
             message = str(error) or type(error).__name__
-            _end(database, campaign_id, CampaignState.FAILED, journal, message)
+            journal.end(CampaignState.FAILED, message)
             raise
-        return _end(database, campaign_id, state, journal)
-    finally:
-        lock.release()
-
-
-def hand_over(database: Database, campaign_id: str, folder: CampaignFolder) -> CampaignRecord:
-    """Queues a campaign that is not running for the service.
-
-    Raises:
-        UnknownName: There is no such campaign.
-        Conflict: It is over, or a process runs it.
-    """
-    with database.write() as transaction:
-        record = transaction.campaigns.get(campaign_id)
-        deserted = record.state is CampaignState.RUNNING and not record.batch_id
-        if deserted and not folder.is_running:
-            # The command that ran the campaign was killed.
-            transaction.campaigns.end(campaign_id, CampaignState.PAUSED)
-        transaction.campaigns.queue_again(campaign_id)
-        transaction.campaign_runs.open(campaign_id)
-        return transaction.campaigns.get(campaign_id)
+        return journal.end(state)
 
 
 def _refuse_other_network(record: CampaignRecord, valid: ValidCampaign) -> None:
@@ -155,17 +150,4 @@ def _refuse_other_versions(record: CampaignRecord, valid: ValidCampaign) -> None
         raise CampaignError(
             f"campaign {record.id} was made with other versions: {', '.join(changed)}. It cannot "
             "be resumed; install those, or start a new campaign. Its results are kept"
-        )
-
-
-def _end(
-    database: Database,
-    campaign_id: str,
-    state: CampaignState,
-    journal: StoreJournal,
-    message: str = "",
-) -> CampaignRecord:
-    with database.write() as transaction:
-        return transaction.campaigns.end(
-            campaign_id, state, message=message, active_s=journal.active_s()
         )

@@ -13,13 +13,15 @@ from multiprocessing.process import BaseProcess
 import structlog
 
 from drivora_service.campaigns.engine_process import CANNOT_RUN, EngineSetup, log_tail, run_engine
-from drivora_service.campaigns.stored import hand_over
+from drivora_service.campaigns.requests import hand_over
+from drivora_service.errors import Conflict
 from drivora_service.execution.deaths import signal_name
 from drivora_service.execution.fork_server import exit_code, kill_process, spawn_process
 from drivora_service.execution.supervised import SupervisedThread
 from drivora_service.fault_log import FaultLog
 from drivora_service.store.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database, Transaction
+from drivora_service.store.work_locks import HeldWork, LongWork
 
 _LOOK_S = 0.5
 """Seconds between two polls for campaigns to run."""
@@ -45,6 +47,7 @@ class _Engine:
     """A running process; ``queued`` is ``None`` once the process has closed it."""
 
     campaign_id: str
+    lock: HeldWork
     process: BaseProcess
     queued: Connection | None
 
@@ -61,7 +64,8 @@ class CampaignSupervisor:
     """A thread that starts, supervises and ends the processes of campaigns.
 
     Campaigns are resumed after the death of their process, alone or with the service. The processes
-    store their own states; the supervisor stores only those of dead processes.
+    store their own states; the supervisor stores only those of dead processes, and locks each
+    campaign before it starts a process for it: of several services on one database, one runs it.
     """
 
     def __init__(
@@ -127,7 +131,7 @@ class CampaignSupervisor:
             UnknownName: There is no such campaign.
             Conflict: It is over, or a process runs it.
         """
-        hand_over(self._database, campaign_id, self._setup.folder(campaign_id))
+        hand_over(self._database, campaign_id)
         self.wake()
 
     def stop(self) -> None:
@@ -139,6 +143,7 @@ class CampaignSupervisor:
     def _end_engines(self) -> None:
         for engine in self._engines.values():
             kill_process(engine.process)
+            engine.lock.release()
 
     def _turn(self) -> None:
         if self._listen():
@@ -174,6 +179,7 @@ class CampaignSupervisor:
 
     def _poll(self, now: float) -> None:
         """Starts campaigns for the free room, and ends stopped ones without an engine."""
+        self._database.locks.keep()
         with self._database.read() as transaction:
             wanted = transaction.campaigns.to_run()
         for campaign in wanted:
@@ -187,8 +193,8 @@ class CampaignSupervisor:
                 self._not_before[campaign.id] = now + _RETRY_S
 
     def _update_campaign(self, campaign_id: str, request: CampaignRequest) -> None:
-        if self._setup.folder(campaign_id).is_running:
-            # A command runs it.
+        if self._database.locks.is_held(LongWork.campaign(campaign_id)):
+            # A command or another service runs it.
             return
         if request is not CampaignRequest.NONE:
             with self._database.write() as transaction:
@@ -197,6 +203,11 @@ class CampaignSupervisor:
             self._begin(campaign_id)
 
     def _begin(self, campaign_id: str) -> None:
+        try:
+            lock = self._database.locks.hold(LongWork.campaign(campaign_id))
+        except Conflict:
+            # Another service was faster.
+            return
         reader, writer = multiprocessing.Pipe(duplex=False)
         try:
             # Not from the fork server of the workers: an engine never needs the simulator.
@@ -205,12 +216,13 @@ class CampaignSupervisor:
             # The system is short of processes or memory, which passes.
             _log.error("engine_not_started", campaign=campaign_id, error=repr(error))
             reader.close()
+            lock.release()
             self._not_before[campaign_id] = time.monotonic() + _RETRY_S
             return
         finally:
             writer.close()
         self._engines[campaign_id] = _Engine(
-            campaign_id=campaign_id, process=process, queued=reader
+            campaign_id=campaign_id, lock=lock, process=process, queued=reader
         )
         _log.info("campaign_started", campaign=campaign_id, pid=process.pid)
 
@@ -229,6 +241,7 @@ class CampaignSupervisor:
             self._not_before.pop(campaign_id, None)
         del self._engines[campaign_id]
         kill_process(engine.process)
+        engine.lock.release()
         if engine.queued is not None:
             engine.queued.close()
 

@@ -39,6 +39,7 @@ class CampaignRow(Base):
     message: Mapped[str] = mapped_column(Text, default="")
     request: Mapped[str] = mapped_column(String(16), default="")
     batch_id: Mapped[str] = mapped_column(String(40), default="", server_default=text("''"))
+    claim: Mapped[str] = mapped_column(String(40), default="", server_default=text("''"))
     created_at: Mapped[datetime]
     started_at: Mapped[datetime | None]
     ended_at: Mapped[datetime | None]

@@ -130,13 +130,16 @@ class CampaignRepository:
             for id_, _state, request in self._session.execute(query)
         )
 
-    def begin(self, campaign_id: str, *, only_queued: bool = False) -> CampaignRecord:
+    def begin(
+        self, campaign_id: str, *, only_queued: bool = False, claim: str = ""
+    ) -> CampaignRecord:
         """Sets a campaign to running and clears its pending request.
 
         Args:
             campaign_id: Id of the campaign.
             only_queued: Whether to refuse a campaign that is not queued and to keep its pending
                 request.
+            claim: Id of the work that begins, see :meth:`require_claim`.
 
         Raises:
             UnknownName: There is none of this id.
@@ -153,7 +156,25 @@ class CampaignRepository:
         row.started_at = row.started_at or now
         row.updated_at = now
         row.ended_at = None
+        row.claim = claim
         return _record(row)
+
+    def require_claim(self, campaign_id: str, claim: str) -> None:
+        """Refuses to write for a process that has lost the campaign to another one.
+
+        The lock of a campaign is lost with the connection to the database, and the process that
+        held it may not know.
+
+        Args:
+            campaign_id: Id of the campaign.
+            claim: What its process gave :meth:`begin`.
+
+        Raises:
+            UnknownName: There is none of this id.
+            Conflict: It has ended, or another process has begun it since.
+        """
+        if campaign_row(self._session, campaign_id).claim != claim:
+            raise Conflict(f"another process has taken campaign {campaign_id} over")
 
     def end(
         self, campaign_id: str, state: CampaignState, *, message: str = "", active_s: float = 0.0
@@ -172,7 +193,7 @@ class CampaignRepository:
         row = campaign_row(self._session, campaign_id)
         now = datetime.now(UTC)
         row.state, row.message, row.request = state, message, CampaignRequest.NONE
-        row.updated_at = now
+        row.updated_at, row.claim = now, ""
         row.active_s += active_s
         if state.is_over or state is CampaignState.FAILED:
             row.ended_at = now

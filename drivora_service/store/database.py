@@ -43,6 +43,7 @@ from drivora_service.store.sqlite import sqlite_engine
 from drivora_service.store.store_errors import store_errors
 from drivora_service.store.studies import StudyRepository
 from drivora_service.store.suite_runs import SuiteRunRepository
+from drivora_service.store.work_locks import FileWorkLocks, PostgresqlWorkLocks, WorkLocks
 from drivora_service.store.workers import WorkerRepository
 
 PATIENCE_S = 30.0
@@ -171,12 +172,14 @@ class Database:
 
     Attributes:
         changes: Counter that changes with every commit.
+        locks: Locks on pieces of long work.
     """
 
     def __init__(self, engine: Engine, *, patience_s: float = PATIENCE_S) -> None:
         self.engine = engine
         self.changes = ChangeCounter(engine)
         self._is_postgresql = engine.dialect.name == "postgresql"
+        self.locks = _work_locks(engine)
         # A database has one writer. Waiting for this lock is fair and prompt, while SQLite's own
         # waiting sleeps and tries again, and PostgreSQL's takes a connection.
         self._writing = threading.Lock()
@@ -267,7 +270,14 @@ class Database:
     def close(self) -> None:
         """Closes every connection."""
         self.changes.close()
+        self.locks.close()
         self.engine.dispose()
+
+
+def _work_locks(engine: Engine) -> WorkLocks:
+    if engine.dialect.name == "postgresql":
+        return PostgresqlWorkLocks(engine)
+    return FileWorkLocks(Path(engine.url.database or "").parent / "locks")
 
 
 def database_file(url: str) -> Path | None:

@@ -17,7 +17,7 @@ from drivora_service.campaigns.stored import run_stored
 from drivora_service.errors import Conflict, StoreError, WorkersCannotStart
 from drivora_service.store.campaign_records import CampaignRequest
 from drivora_service.store.database import Database, Transaction
-from drivora_service.studies.folder import StudyFolder
+from drivora_service.store.work_locks import LongWork
 from drivora_service.studies.storing import NOT_OVER, refuse_if_over
 
 _LOOK_S = 0.05
@@ -34,7 +34,6 @@ class CommandSetup:
 
     Attributes:
         database: Returns the database with the studies.
-        folder: Returns the folder of a study.
         campaign_folder: Returns the folder of a campaign.
         catalogues: Catalogues for the names in campaigns.
         pool: Returns the workers, for the number that a study wants.
@@ -42,7 +41,6 @@ class CommandSetup:
     """
 
     database: Callable[[], Database]
-    folder: Callable[[str], StudyFolder]
     campaign_folder: Callable[[str], CampaignFolder]
     catalogues: Catalogues
     pool: Callable[[int | None], AbstractContextManager[SharedPool]]
@@ -74,19 +72,19 @@ class CommandStudies:
         Raises:
             UnknownName: There is no such study.
             Conflict: All its campaigns are over, or a process works on it.
-            StoreError: The database or the folder of the study cannot be used.
+            StoreError: The database cannot be used.
         """
         self._begin(study_id)
 
     def has_process(self, study_id: str) -> bool:
         """Returns whether the process of a command runs a study."""
-        return self._setup.folder(study_id).is_running
+        return self._setup.database().locks.is_held(LongWork.study(study_id))
 
     def wake(self) -> None:
         """Starts the accepted studies.
 
         Raises:
-            StoreError: The database or the folder of a study cannot be used.
+            StoreError: The database cannot be used.
         """
         while self._taken:
             self._begin(self._taken.pop())
@@ -109,9 +107,9 @@ class CommandStudies:
     def _run(self, study_id: str, begun: Future[None]) -> None:
         setup = self._setup
         try:
-            lock = setup.folder(study_id).lock()
+            database = setup.database()
+            lock = database.locks.hold(LongWork.study(study_id))
             try:
-                database = setup.database()
                 with database.write() as transaction:
                     refuse_if_over(transaction, study_id)
                     transaction.studies.ask_for(study_id, NONE)

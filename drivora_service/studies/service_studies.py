@@ -2,38 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
-from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.host import CampaignHost
 from drivora_service.errors import Conflict
 from drivora_service.store.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database, Transaction
-from drivora_service.studies.folder import StudyFolder
+from drivora_service.store.work_locks import LongWork
 from drivora_service.studies.storing import NOT_OVER, refuse_if_over
 
 
 class ServiceStudies:
     """Hands the campaigns of studies to the host of campaigns."""
 
-    def __init__(
-        self,
-        database: Database,
-        campaigns: CampaignHost,
-        *,
-        folder: Callable[[str], StudyFolder],
-        campaign_folder: Callable[[str], CampaignFolder],
-    ) -> None:
+    def __init__(self, database: Database, campaigns: CampaignHost) -> None:
         """Begins with none.
 
         Args:
             database: Database of the service.
             campaigns: Runs the campaigns.
-            folder: Returns the folder of a study.
-            campaign_folder: Returns the folder of a campaign.
         """
         self._database, self._campaigns = database, campaigns
-        self._folder, self._campaign_folder = folder, campaign_folder
 
     def open(self, transaction: Transaction, _study_id: str, campaign_ids: Sequence[str]) -> None:
         """Accepts a new study, in the transaction that stores it."""
@@ -58,7 +47,7 @@ class ServiceStudies:
 
     def has_process(self, study_id: str) -> bool:
         """Returns whether the process of a command runs a study."""
-        return self._folder(study_id).is_running
+        return self._database.locks.is_held(LongWork.study(study_id))
 
     def wake(self) -> None:
         """Starts queued campaigns, or follows requests to them."""
@@ -67,7 +56,8 @@ class ServiceStudies:
     def _queue(self, transaction: Transaction, campaign_id: str) -> None:
         record = transaction.campaigns.get(campaign_id)
         if record.state is CampaignState.RUNNING:
-            if record.batch_id or self._campaign_folder(campaign_id).is_running:
+            is_held = self._database.locks.is_held(LongWork.campaign(campaign_id))
+            if record.batch_id or is_held:
                 return
             # The command that ran it was killed.
             transaction.campaigns.end(campaign_id, CampaignState.PAUSED)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.errors import Conflict
 from drivora_service.store.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database, Transaction
 from drivora_service.store.study_records import StudyState, state_of
+from drivora_service.store.work_locks import LongWork
 
 if TYPE_CHECKING:
     from drivora_service.studies.host import StudyHost
@@ -40,12 +39,7 @@ def store_study(transaction: Transaction, study: ValidStudy, host: StudyHost) ->
     return study_id
 
 
-def stop_study(
-    database: Database,
-    study_id: str,
-    request: CampaignRequest,
-    campaign_folder: Callable[[str], CampaignFolder],
-) -> None:
+def stop_study(database: Database, study_id: str, request: CampaignRequest) -> None:
     """Requests that the campaigns of a study stop; those that do not run stop at once.
 
     A request that is already fulfilled changes nothing, and none replaces a cancellation.
@@ -54,7 +48,6 @@ def stop_study(
         database: Holds the study.
         study_id: Id of the study.
         request: ``pause``: those that run or wait; ``cancel``: all that are not over.
-        campaign_folder: Returns the folder of a campaign.
 
     Raises:
         UnknownName: There is no such study.
@@ -74,7 +67,7 @@ def stop_study(
             is_deserted = (
                 record.state is CampaignState.RUNNING
                 and not record.batch_id
-                and not campaign_folder(campaign_id).is_running
+                and not database.locks.is_held(LongWork.campaign(campaign_id))
             )
             if is_deserted:
                 # Its process was killed and cannot follow a request.

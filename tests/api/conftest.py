@@ -26,11 +26,10 @@ from drivora_service.api.tokens import TokenFile
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.campaigns.stored import hand_over
+from drivora_service.campaigns.requests import hand_over
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.store.database import Database, Transaction, open_database
 from drivora_service.store.traces import TraceFolder
-from drivora_service.studies.folder import StudyFolder
 from drivora_service.studies.service_studies import ServiceStudies
 
 BODY_LIMIT = 200_000
@@ -42,14 +41,13 @@ class Unattended:
     """Takes campaigns as the service does, and runs none."""
 
     database: Database
-    folder: Callable[[str], CampaignFolder]
     woken: list[int]
 
     def open(self, transaction: Transaction, campaign_id: str) -> None:
         transaction.campaign_runs.open(campaign_id)
 
     def resume(self, campaign_id: str) -> None:
-        hand_over(self.database, campaign_id, self.folder(campaign_id))
+        hand_over(self.database, campaign_id)
         self.wake()
 
     def wake(self) -> None:
@@ -143,7 +141,7 @@ def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
         def folder(campaign_id: str) -> CampaignFolder:
             return CampaignFolder(tmp_path / "campaigns", campaign_id)
 
-        campaigns = Unattended(database, folder, woken)
+        campaigns = Unattended(database, woken)
         context = ApiContext(
             opened=lambda: database,
             revision=database.changes.value,
@@ -163,12 +161,7 @@ def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
             campaign_folder=folder,
             wake=lambda: woken.append(1),
             campaigns=campaigns,
-            studies=ServiceStudies(
-                database,
-                campaigns,
-                folder=lambda study_id: StudyFolder(tmp_path / "studies", study_id),
-                campaign_folder=folder,
-            ),
+            studies=ServiceStudies(database, campaigns),
             minimizations=UnattendedMinimizations(woken),
             imports=NetworkImports(imported),
             reserve=lambda _runs: "",

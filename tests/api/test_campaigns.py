@@ -11,9 +11,9 @@ import pytest
 
 from drivora_service.api.examples import CAMPAIGN
 from drivora_service.api.tokens import Scope, TokenFile
-from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.search.space.presets import SpacePreset
 from drivora_service.store.campaign_records import CampaignState
+from drivora_service.store.work_locks import LongWork
 from tests.api.conftest import MakeOffline, Offline
 from tests.api.test_problems import is_problem
 from tests.api.test_tokens import bearer
@@ -223,7 +223,7 @@ def test_what_the_state_forbids(offline: Offline, document: dict[str, Any]) -> N
 
 def test_a_running_campaign_is_asked_to_pause(offline: Offline, document: dict[str, Any]) -> None:
     campaign_id = post(offline, document)["id"]
-    lock = offline.context.campaign_folder(campaign_id).lock()
+    lock = offline.context.database.locks.hold(LongWork.campaign(campaign_id))
     try:
         with offline.context.database.write() as transaction:
             transaction.campaigns.begin(campaign_id)
@@ -411,13 +411,13 @@ def test_one_that_ends_while_it_is_read_is_not_interrupted(
     with database.write() as transaction:
         transaction.campaigns.begin(campaign_id)
 
-    def is_running(_folder: CampaignFolder) -> bool:
+    def is_held(_work: LongWork) -> bool:
         if ends:
             with database.write() as transaction:
                 transaction.campaigns.end(campaign_id, CampaignState.FINISHED)
         return False
 
-    monkeypatch.setattr(CampaignFolder, "is_running", property(is_running))
+    monkeypatch.setattr(database.locks, "is_held", is_held)
     answer = offline.client.get(path.format(campaign_id)).raise_for_status().json()
     (campaign,) = answer.get("items", [answer])
     assert campaign["state"] == ("finished" if ends else "interrupted")

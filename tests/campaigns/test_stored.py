@@ -13,10 +13,12 @@ import pytest
 
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.conducting import Watcher
+from drivora_service.campaigns.engine import Told
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
-from drivora_service.campaigns.folder import CampaignFolder, ask_for
+from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.local_evaluator import LOCAL
 from drivora_service.campaigns.reading import read_campaign
+from drivora_service.campaigns.requests import ask_for
 from drivora_service.campaigns.store_journal import StoreJournal
 from drivora_service.campaigns.stored import new_campaign, run_stored
 from drivora_service.errors import CampaignError, Conflict, UnknownName
@@ -32,6 +34,7 @@ from drivora_service.store.campaign_records import (
     EvaluationRecord,
 )
 from drivora_service.store.database import Database
+from drivora_service.store.work_locks import LongWork
 from drivora_service.worker.setup import WorkerSetup
 from tests.agents.remote.folders import add_agent
 from tests.campaigns.analytic import sequence
@@ -164,29 +167,41 @@ def test_a_campaign_that_fails_states_the_reason(
 
 def test_one_process_works_on_a_campaign(campaigns: Campaigns, content: dict[str, Any]) -> None:
     campaign_id = campaigns.create(content)
-    folder = campaigns.folder(campaign_id)
-    seen = [folder.is_running]
-    lock = folder.lock()
-    seen.append(folder.is_running)
+    lock = campaigns.database.locks.hold(LongWork.campaign(campaign_id))
     with pytest.raises(Conflict, match="running campaign"):
         campaigns.run(campaign_id, 1)
     lock.release()
-    seen.append(folder.is_running)
-    assert seen == [False, True, False]
+    assert campaigns.run(campaign_id, 1, after(1)[0]).state is CampaignState.PAUSED
+    assert not campaigns.database.locks.is_held(LongWork.campaign(campaign_id))
+
+
+def test_a_process_that_has_lost_its_campaign_writes_no_more(
+    campaigns: Campaigns, content: dict[str, Any]
+) -> None:
+    campaign_id = campaigns.create(content)
+
+    def lose(told: Told) -> None:
+        if told.record.number == 2:
+            with campaigns.database.write() as transaction:
+                transaction.campaigns.begin(campaign_id, claim="of another process")
+
+    with pytest.raises(Conflict, match="another process has taken campaign"):
+        campaigns.run(campaign_id, 1, Watcher(on_told=lose))
+    assert len(campaigns.evaluations(campaign_id)) <= 3
+    assert campaigns.record(campaign_id).state is CampaignState.RUNNING
 
 
 def test_asking_a_campaign_whose_process_was_killed_takes_effect_at_once(
     campaigns: Campaigns, content: dict[str, Any]
 ) -> None:
     campaign_id = campaigns.create(content)
-    folder = campaigns.folder(campaign_id)
     with campaigns.database.write() as transaction:
         transaction.campaigns.begin(campaign_id)
-    lock = folder.lock()
-    alive = ask_for(campaigns.database, campaign_id, folder, PAUSE)
+    lock = campaigns.database.locks.hold(LongWork.campaign(campaign_id))
+    alive = ask_for(campaigns.database, campaign_id, PAUSE)
     assert (alive.state, alive.request) == (CampaignState.RUNNING, PAUSE)
     lock.release()
-    dead = ask_for(campaigns.database, campaign_id, folder, PAUSE)
+    dead = ask_for(campaigns.database, campaign_id, PAUSE)
     assert (dead.state, dead.request) == (CampaignState.PAUSED, NONE)
 
 
@@ -237,7 +252,7 @@ def test_a_campaign_with_another_version_of_its_ads_cannot_be_resumed(
 
 def test_an_ended_campaign_is_not_run_again(campaigns: Campaigns, content: dict[str, Any]) -> None:
     campaign_id = campaigns.create(content)
-    ask_for(campaigns.database, campaign_id, campaigns.folder(campaign_id), CampaignRequest.CANCEL)
+    ask_for(campaigns.database, campaign_id, CampaignRequest.CANCEL)
     with pytest.raises(Conflict, match="cancelled"):
         campaigns.run(campaign_id, 1)
     with pytest.raises(UnknownName):

@@ -14,14 +14,16 @@ import pytest
 
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.engine_process import EngineSetup
-from drivora_service.campaigns.folder import ask_for
 from drivora_service.campaigns.reading import read_campaign
+from drivora_service.campaigns.requests import ask_for
 from drivora_service.campaigns.stored import new_campaign
 from drivora_service.campaigns.supervisor import CampaignSupervisor
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.search.catalogue import TesterCatalogue
 from drivora_service.store.campaign_records import CampaignRecord, CampaignRequest, CampaignState
 from drivora_service.store.database import Database
+from drivora_service.store.work_locks import LongWork
+from tests.campaign_engines import engine_pid
 
 pytestmark = pytest.mark.slow
 
@@ -97,16 +99,20 @@ class Service:
         return batch.size
 
     def ask(self, campaign_id: str, request: CampaignRequest) -> None:
-        ask_for(self.database, campaign_id, self.setup.folder(campaign_id), request)
+        ask_for(self.database, campaign_id, request)
 
     def until(self, state: CampaignState, campaign_id: str) -> CampaignRecord:
         wait_until(lambda: self.record(campaign_id).state is state)
         return self.record(campaign_id)
 
+    def engine_pid(self, campaign_id: str) -> int:
+        """Returns the process of a campaign that was started last."""
+        return engine_pid(self.setup.folder(campaign_id).path)
+
     def engine(self, campaign_id: str) -> int:
         """Returns the process of a campaign, once it has queued as many runs as may wait."""
         wait_until(lambda: self.queued_runs(campaign_id) == 8)
-        return int((self.setup.folder(campaign_id).path / "lock").read_text())
+        return self.engine_pid(campaign_id)
 
 
 def wait_until(condition: Callable[[], bool]) -> None:
@@ -146,8 +152,7 @@ def test_the_next_supervisor_resumes_a_campaign_and_queues_nothing_twice(
     first = service.engine(campaign)
     service.supervisor.stop()
     service.supervise().start()
-    lock = service.setup.folder(campaign).path / "lock"
-    wait_until(lambda: lock.read_text() not in ("", str(first)))
+    wait_until(lambda: service.engine_pid(campaign) != first)
     service.ask(campaign, CampaignRequest.PAUSE)
     service.until(CampaignState.PAUSED, campaign)
     assert service.queued_runs(campaign) == 8
@@ -168,7 +173,7 @@ def test_campaigns_of_commands_are_left_alone(service: Service, content: dict[st
     with service.database.write() as transaction:
         embedded = transaction.campaigns.create(new_campaign(valid)).id
     held, free = service.post(content), service.post(content)
-    lock = service.setup.folder(held).lock()
+    lock = service.database.locks.hold(LongWork.campaign(held))
     try:
         service.supervisor.start()
         service.until(RUNNING, free)
@@ -208,8 +213,7 @@ def test_an_engine_that_is_killed_is_started_again(
     service.supervisor.start()
     first = service.engine(campaign)
     os.kill(first, signal.SIGKILL)
-    lock = service.setup.folder(campaign).path / "lock"
-    wait_until(lambda: lock.read_text() not in ("", str(first)))
+    wait_until(lambda: service.engine_pid(campaign) != first)
     assert service.record(campaign).state is RUNNING
     assert service.supervisor.fault == ""
 

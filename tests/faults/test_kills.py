@@ -13,6 +13,7 @@ from typing import Any
 import psutil
 import pytest
 
+from tests.campaign_engines import engine_pid
 from tests.faults import processes
 from tests.faults.conftest import Judge
 from tests.faults.processes import wait_until
@@ -135,8 +136,8 @@ def test_the_engine_of_a_campaign_killed(
         work = service.post(good_runs(6))
         wait_until(lambda: state()["simulations"] >= 3, seconds=60.0, what="no simulation")
         time.sleep(luck.uniform(0.0, 0.5))
-        lock = service.data / "campaigns" / answer.json()["id"] / "lock"
-        psutil.Process(int(lock.read_text())).kill()
+        engine = engine_pid(service.data / "campaigns" / answer.json()["id"])
+        psutil.Process(engine).kill()
         wait_until(
             lambda: state()["state"] not in ("queued", "running"),
             seconds=90.0,

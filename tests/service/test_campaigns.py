@@ -29,6 +29,7 @@ from drivora_service.networks.catalogue import NetworkCatalogue, shipped_network
 from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.store.database import open_database
 from drivora_service.worker.setup import WorkerSetup
+from tests.campaign_engines import engine_pid
 from tests.campaigns.analytic import sequence
 from tests.forked_service import forked_service, killed_service
 
@@ -242,8 +243,7 @@ def test_a_server_that_is_killed_again_and_again_runs_the_same_campaign(
                 campaign_id = post(client, document(tester))
             known = moments[-1] if moments else 0
             follow_simulations(client, campaign_id, known + luck.randint(1, 7))
-            lock = tmp_path / "campaigns" / campaign_id / "lock"
-            engine = psutil.Process(int(lock.read_text()))
+            engine = psutil.Process(engine_pid(tmp_path / "campaigns" / campaign_id))
             assert not [m.path for m in engine.memory_maps() if "libsumo" in m.path]
             time.sleep(luck.uniform(0.0, 0.1))
         # The kernel ends it with its parent.

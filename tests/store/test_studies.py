@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.errors import Conflict, InvalidDocument, UnknownName
 from drivora_service.store.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database
 from drivora_service.store.study_records import StudyState, state_of
+from drivora_service.store.work_locks import LongWork
 from drivora_service.studies.storing import stop_study
 from tests.studies.example_study import stored
 
@@ -113,10 +113,7 @@ def test_a_pause_reaches_every_campaign(
     study_id = stored(database, catalogues, tmp_path)
     set_states(database, study_id, FINISHED, RUNNING)
 
-    def folder(campaign_id: str) -> CampaignFolder:
-        return CampaignFolder(tmp_path / "campaigns", campaign_id)
-
-    stop_study(database, study_id, CampaignRequest.PAUSE, folder)
+    stop_study(database, study_id, CampaignRequest.PAUSE)
     with database.read() as transaction:
         study = transaction.studies.get(study_id)
     # No process runs the campaign that is stored as running.
@@ -128,7 +125,7 @@ def test_a_pause_reaches_every_campaign(
         for campaign_id in transaction.studies.campaign_ids(study_id, (PAUSED,)):
             transaction.campaigns.end(campaign_id, CampaignState.CANCELLED)
     with pytest.raises(Conflict, match="are over"):
-        stop_study(database, study_id, CampaignRequest.PAUSE, folder)
+        stop_study(database, study_id, CampaignRequest.PAUSE)
 
 
 def test_a_cancellation_ends_every_campaign_that_is_not_over(
@@ -137,16 +134,13 @@ def test_a_cancellation_ends_every_campaign_that_is_not_over(
     study_id = stored(database, catalogues, tmp_path)
     set_states(database, study_id, FINISHED, RUNNING, RUNNING, PAUSED, CampaignState.FAILED)
 
-    def folder(campaign_id: str) -> CampaignFolder:
-        return CampaignFolder(tmp_path / "campaigns", campaign_id)
-
     with database.read() as transaction:
         running = transaction.studies.campaign_ids(study_id, (RUNNING,))[0]
-    lock = folder(running).lock()
+    lock = database.locks.hold(LongWork.campaign(running))
     try:
-        stop_study(database, study_id, CampaignRequest.CANCEL, folder)
+        stop_study(database, study_id, CampaignRequest.CANCEL)
         # A pause afterwards replaces neither the study's request nor the campaign's.
-        stop_study(database, study_id, CampaignRequest.PAUSE, folder)
+        stop_study(database, study_id, CampaignRequest.PAUSE)
     finally:
         lock.release()
     with database.read() as transaction:
@@ -158,9 +152,9 @@ def test_a_cancellation_ends_every_campaign_that_is_not_over(
     with database.write() as transaction:
         transaction.campaigns.end(running, CampaignState.CANCELLED)
     assert state(database, study_id) is StudyState.CANCELLED
-    stop_study(database, study_id, CampaignRequest.CANCEL, folder)
+    stop_study(database, study_id, CampaignRequest.CANCEL)
     assert state(database, study_id) is StudyState.CANCELLED
     finished = stored(database, catalogues, tmp_path)
     set_states(database, finished, *(FINISHED,) * 16)
     with pytest.raises(Conflict, match="are over"):
-        stop_study(database, finished, CampaignRequest.CANCEL, folder)
+        stop_study(database, finished, CampaignRequest.CANCEL)

@@ -12,7 +12,6 @@ from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.stored import run_stored
 from drivora_service.store.database import Database
-from drivora_service.studies.folder import StudyFolder
 from drivora_service.studies.reading import read_study
 from drivora_service.studies.service_studies import ServiceStudies
 from drivora_service.studies.storing import store_study
@@ -57,12 +56,7 @@ class Waiting:
 
 def stored(database: Database, catalogues: Catalogues, root: Path, **changes: Any) -> str:
     """Stores a study; returns its id."""
-    host = ServiceStudies(
-        database,
-        Waiting(),
-        folder=lambda study_id: StudyFolder(root / "studies", study_id),
-        campaign_folder=lambda campaign_id: CampaignFolder(root / "campaigns", campaign_id),
-    )
+    host = ServiceStudies(database, Waiting())
     study = read_study(study_content() | changes, catalogues)
     with database.write() as transaction:
         return store_study(transaction, study, host)

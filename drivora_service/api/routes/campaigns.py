@@ -23,7 +23,7 @@ from drivora_service.api.schemas.campaigns import (
 )
 from drivora_service.api.security import reader, submitter
 from drivora_service.api_paths import PREFIX
-from drivora_service.campaigns.folder import ask_for
+from drivora_service.campaigns.requests import ask_for
 from drivora_service.errors import Conflict
 from drivora_service.shapes import to_json
 from drivora_service.store.campaign_records import (
@@ -33,6 +33,7 @@ from drivora_service.store.campaign_records import (
     CampaignSummary,
 )
 from drivora_service.store.records import Page
+from drivora_service.store.work_locks import LongWork
 
 if TYPE_CHECKING:
     from drivora_service.campaigns.engine import Search
@@ -221,7 +222,7 @@ def _asked(context: ApiContext, campaign_id: str, request: CampaignRequest) -> C
         record = transaction.campaigns.get(campaign_id)
     if record.state is CampaignState.FINISHED:
         raise Conflict(f"campaign {campaign_id} is finished")
-    ask_for(context.database, campaign_id, context.campaign_folder(campaign_id), request)
+    ask_for(context.database, campaign_id, request)
     context.campaigns.wake()
     context.wake()
     with context.database.read() as transaction:
@@ -266,7 +267,7 @@ def _is_deserted(context: ApiContext, campaign: CampaignSummary) -> bool:
     return (
         campaign.state is CampaignState.RUNNING
         and not campaign.batch_id
-        and not context.campaign_folder(campaign.id).is_running
+        and not context.database.locks.is_held(LongWork.campaign(campaign.id))
     )
 
 

@@ -275,7 +275,7 @@ def _read_document(context: ApiContext, body: bytes, form: Literal["json", "yaml
 
 
 def _asked(context: ApiContext, study_id: str, request: CampaignRequest) -> Study:
-    stop_study(context.database, study_id, request, context.campaign_folder)
+    stop_study(context.database, study_id, request)
     context.studies.wake()
     context.wake()
     return _read(context, study_id)
