@@ -42,7 +42,6 @@ from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.traces import TraceFolder
-from drivora_service.studies.folder import StudyFolder
 from drivora_service.studies.service_studies import ServiceStudies
 from drivora_service.suites.minimization.runner import MinimizationRunner
 
@@ -225,12 +224,7 @@ def application(database: Database, folder: Path) -> FastAPI:
             campaign_folder=lambda campaign_id: CampaignFolder(folder / "campaigns", campaign_id),
             wake=lambda: None,
             campaigns=campaigns,
-            studies=ServiceStudies(
-                database,
-                campaigns,
-                folder=lambda study_id: StudyFolder(folder / "studies", study_id),
-                campaign_folder=lambda one: CampaignFolder(folder / "campaigns", one),
-            ),
+            studies=ServiceStudies(database, campaigns),
             minimizations=MinimizationRunner(lambda: database, catalogues, traces.path, at_once=1),
             imports=NetworkImports(folder / "networks"),
             reserve=lambda _runs: "",

@@ -12,10 +12,9 @@ the range with more, and those that are with 2,000, for which the exact interval
     python -m benchmarks.scene_search --out FOLDER --write SCENES
 
 With `--detours`, also of the last two, scenes for Decictor are searched: what counts is the oracle
-`non_optimal_decision`. The last command writes the seed scenarios of the scenes in the range, for a
-study file, and prints their spaces.
-
-With `--laws`, the ways to violate traffic laws are counted that draws show, for LawBreaker.
+`non_optimal_decision`. With `--laws`, in the same way, those for LawBreaker: how many ways to
+violate traffic laws draws show, and in how many draws each. The last command writes the seed
+scenarios of the scenes in the range, for a study file, and prints their spaces.
 
 What was counted is kept in the folder, and not counted again.
 """
@@ -31,7 +30,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from benchmarks.scene_search.counting import Counts, count
-from benchmarks.scene_search.laws import count_ways
+from benchmarks.scene_search.laws import count_ways, telling
 from benchmarks.scene_search.laws import read as read_laws
 from benchmarks.scene_search.laws import show as show_laws
 from benchmarks.scene_search.scenes import detour_scenes, failing_scenes, law_scenes
@@ -46,6 +45,8 @@ WANTED = (0.005, 0.02)
 """Share of avoidable failures at the ego's fault."""
 STAGES = (100, 400, 2000)
 """Draws of each stage, each with a seed of its own."""
+LAW_SCENES = 3
+"""Scenes of a study of laws."""
 LAW_DRAWS = 200
 """Draws in which ways to violate laws are counted."""
 CAMPAIGN = 300
@@ -104,13 +105,22 @@ def show(scenes: Sequence[Scene], ledger: Ledger) -> None:
         )
 
 
-def write(scenes: Sequence[Scene], ledger: Ledger, folder: Path) -> None:
-    """Writes the seed scenarios of the scenes in the range; prints them as entries of a study."""
+def in_the_range(scenes: Sequence[Scene], ledger: Ledger) -> list[Scene]:
+    """Returns the scenes that are wanted by the counts of the last stage."""
+    counts = ((scene, ledger.get(scene, STAGES[-1])) for scene in scenes)
+    return [scene for scene, found in counts if found is not None and is_wanted(found)]
+
+
+def of_laws(path: Path) -> list[Scene]:
+    """Returns the scenes that tell most about violations of laws."""
+    names = [one.scene for one in telling(read_laws(path), LAW_SCENES)]
+    return [scene for scene in law_scenes() if scene.name in names]
+
+
+def write(scenes: Sequence[Scene], folder: Path) -> None:
+    """Writes seed scenarios; prints them as entries of a study."""
     folder.mkdir(parents=True, exist_ok=True)
     for scene in scenes:
-        found = ledger.get(scene, STAGES[-1])
-        if found is None or not is_wanted(found):
-            continue
         place = scene.name.partition(",")[0]
         # A path is that of an ADS.
         told = f"{place} {scene.agent}" if scene.oracles else place
@@ -134,10 +144,10 @@ def main(arguments: Sequence[str]) -> None:
     options.out.mkdir(parents=True, exist_ok=True)
     ledger = Ledger(options.out)
     scenes = list(detour_scenes() if options.detours else failing_scenes())
-    if options.write is not None:
-        write(scenes, ledger, options.write)
-        return
     ways = options.out / "laws.jsonl"
+    if options.write is not None:
+        write(of_laws(ways) if options.laws else in_the_range(scenes, ledger), options.write)
+        return
     if not options.show:
         with (
             tempfile.TemporaryDirectory() as folder,

@@ -77,11 +77,25 @@ def read(path: Path) -> list[ShownWays]:
     return [ShownWays(**json.loads(line)) for line in lines]
 
 
+def ranked(counted: Sequence[ShownWays]) -> list[ShownWays]:
+    """Returns the scenes with most rare ways first; of equal ones, those with more ways."""
+    return sorted(counted, key=lambda one: (-one.rare, -len(one.ways), one.scene))
+
+
+def telling(counted: Sequence[ShownWays], number: int) -> list[ShownWays]:
+    """Returns the first of the ranked scenes, at most one of a road network."""
+    found: dict[str, ShownWays] = {}
+    for one in ranked(counted):
+        if one.rare:
+            found.setdefault(one.scene.split()[0], one)
+    return list(found.values())[:number]
+
+
 def show(counted: Sequence[ShownWays], draws: int) -> None:
-    """Prints the scenes as a table in Markdown, those with most rare ways first."""
+    """Prints the scenes as a table in Markdown, ranked."""
     print("| scene | ADS | draws | ways shown | by at most two draws | expected in a campaign |")
     print("|---|---|---|---|---|---|")
-    for one in sorted(counted, key=lambda one: (-one.rare, -len(one.ways), one.scene)):
+    for one in ranked(counted):
         if one.ways:
             print(
                 f"| {one.scene} | `{one.agent}` | {one.judged} | {len(one.ways)} | {one.rare} "
