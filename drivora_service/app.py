@@ -35,8 +35,9 @@ from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
 from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import make_data_folder, open_database
-from drivora_service.store.server_lock import ServerLock
+from drivora_service.store.server_folder import ServerFolder
 from drivora_service.store.traces import CampaignTraces, TraceFolder
+from drivora_service.store.work_locks import WorkKind
 from drivora_service.studies.service_studies import ServiceStudies
 from drivora_service.suites.minimization.runner import MinimizationRunner
 from drivora_service.worker_settings import run_limits, worker_setup
@@ -88,10 +89,10 @@ def create_service(
     tokens = _tokens(settings)
     make_data_folder(settings.data_dir)
     exclusive = settings.resolved_database_url.startswith("sqlite")
-    lock = ServerLock(settings.data_dir)
+    folder = ServerFolder(settings.data_dir, is_shared=not exclusive)
     database = open_database(settings.resolved_database_url, patience_s=_LOCK_TIMEOUT_S)
     traces = TraceFolder(settings.traces_dir)
-    workers_folder = settings.data_dir / "workers"
+    workers_folder = folder.path / "workers"
     infrastructure = Infrastructure(
         {
             "database": database.probe,
@@ -164,7 +165,8 @@ def create_service(
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        imports.remove_left()
+        if not database.locks.is_any_held(WorkKind.SERVER):
+            imports.remove_left()
         infrastructure.start(on_change=dispatcher.wake)
         dispatcher.start()
         try:
@@ -181,7 +183,7 @@ def create_service(
             executor.close()
             infrastructure.stop()
             database.close()
-            lock.release()
+            folder.release()
 
     context = ApiContext(
         opened=lambda: database,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import errno
 import json
 import os
@@ -27,7 +28,7 @@ from drivora_service.logs import configure_logs
 from drivora_service.settings import Settings
 
 ANNOUNCEMENT = "service.json"
-"""File in the data folder with the address of a running service."""
+"""File in the data folder with the address of a running service; of several, of the last one."""
 
 _GRACE_S = 5
 """Seconds for which requests may continue when the server shuts down."""
@@ -100,7 +101,7 @@ def serve_until_stopped(settings: Settings) -> None:
     except KeyboardInterrupt:
         _log.info("stopped")
     finally:
-        announcement.unlink(missing_ok=True)
+        _withdraw(announcement)
     if ending.broken:
         raise ServiceBroken(ending.broken)
 
@@ -198,6 +199,13 @@ class _Server(uvicorn.Server):
             self._service.drain(self._drain_s)
         finally:
             super().handle_exit(sig, frame)
+
+
+def _withdraw(path: Path) -> None:
+    """Removes the announcement, unless it is that of another server on the data folder."""
+    with contextlib.suppress(FileNotFoundError, ValueError):
+        if json.loads(path.read_text()).get("pid") == os.getpid():
+            path.unlink()
 
 
 def _announce(path: Path, url: str) -> None:

@@ -10,9 +10,12 @@ import hashlib
 import os
 import secrets
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+from filelock import UnixFileLock
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from starlette.datastructures import Headers
 from starlette.requests import cookie_parser
@@ -40,6 +43,8 @@ class StoredSession(BaseModel):
 
 
 _SESSIONS = TypeAdapter(list[StoredSession])
+_NO_VERSION = (0, 0)
+"""Of a file that does not exist."""
 
 
 class SessionFile:
@@ -54,7 +59,10 @@ class SessionFile:
         """
         self._path, self._tokens = path, tokens
         self._lock = threading.Lock()
-        self._loaded: dict[str, StoredSession] | None = None
+        # Servers that share the folder begin and end sessions in turn.
+        self._writing = UnixFileLock(path.with_suffix(".lock"), thread_local=False, mode=0o600)
+        self._loaded: dict[str, StoredSession] = {}
+        self._version = _NO_VERSION
 
     def begin(self, token: StoredToken) -> str:
         """Begins a session and returns its secret, which is not kept.
@@ -66,7 +74,7 @@ class SessionFile:
         session = StoredSession(
             sha256=_hash(secret), token_sha256=token.sha256, expires=datetime.now(UTC) + LIFETIME
         )
-        with self._lock:
+        with self._lock, self._turn():
             known = {one.sha256 for one in self._tokens.all()}
             live = [
                 one
@@ -82,7 +90,7 @@ class SessionFile:
         Raises:
             ConfigurationError: The file cannot be read or written.
         """
-        with self._lock:
+        with self._lock, self._turn():
             sessions = self._sessions()
             if _hash(secret) in sessions:
                 self._write([one for key, one in sessions.items() if key != _hash(secret)])
@@ -100,18 +108,40 @@ class SessionFile:
         return self._tokens.by_hash(session.token_sha256)
 
     def _sessions(self) -> dict[str, StoredSession]:
-        # Only the service writes the file, so that it is read once.
-        if self._loaded is None:
-            try:
-                found = _SESSIONS.validate_json(self._path.read_bytes())
-            except FileNotFoundError:
-                found = []
-            except (OSError, ValidationError) as error:
-                raise ConfigurationError(
-                    f"{self._path} cannot be used: {error}; removing it ends all sessions of pages"
-                ) from error
-            self._loaded = {session.sha256: session for session in found}
+        version = self._version_of_file()
+        if version == self._version:
+            return self._loaded
+        try:
+            found = _SESSIONS.validate_json(self._path.read_bytes())
+        except FileNotFoundError:
+            found = []
+        except (OSError, ValidationError) as error:
+            raise ConfigurationError(
+                f"{self._path} cannot be used: {error}; removing it ends all sessions of pages"
+            ) from error
+        self._loaded = {session.sha256: session for session in found}
+        self._version = version
         return self._loaded
+
+    def _version_of_file(self) -> tuple[int, int]:
+        try:
+            status = self._path.stat()
+        except FileNotFoundError:
+            return _NO_VERSION
+        except OSError as error:
+            raise ConfigurationError(f"{self._path} cannot be used: {error}") from error
+        return status.st_mtime_ns, status.st_ino
+
+    @contextmanager
+    def _turn(self) -> Iterator[None]:
+        try:
+            self._writing.acquire()
+        except OSError as error:
+            raise ConfigurationError(f"{self._path} cannot be written: {error}") from error
+        try:
+            yield
+        finally:
+            self._writing.release()
 
     def _write(self, sessions: list[StoredSession]) -> None:
         temporary = self._path.with_suffix(".new")
@@ -123,6 +153,7 @@ class SessionFile:
         except OSError as error:
             raise ConfigurationError(f"{self._path} cannot be written: {error}") from error
         self._loaded = {session.sha256: session for session in sessions}
+        self._version = self._version_of_file()
 
 
 def session_secret(headers: Headers) -> str:

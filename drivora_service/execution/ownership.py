@@ -15,9 +15,18 @@ from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import Database
 from drivora_service.store.file_lock import FileLock
 from drivora_service.store.ids import new_id
+from drivora_service.store.work_locks import HeldWork, LongWork
 
 HEARTBEAT_TIMEOUT_S = 30.0
 """Seconds without a heartbeat after which another server's runs are taken over."""
+
+LOCK_TIMEOUT_S = 6.0
+"""The same for a server that does not hold its lock either: its process has ended, or has lost its
+connection, which it notices with its next heartbeat."""
+
+_LONGEST_PAUSE_S = 6.0
+"""Seconds between two looks after which all servers are observed anew: this one was stopped, or the
+database was away, and the others may have been as well."""
 
 _log = structlog.get_logger(__name__)
 
@@ -34,8 +43,9 @@ class Ownership:
     """This process as an owner of leases: a server, or a command with runs of its own.
 
     Another server is alive while its heartbeat changes, in seconds of this process's own clock: the
-    times in the database are of clocks that may jump. A command is alive while its lock is held.
-    Runs of a dead server go back to the queue; runs of a dead command are cancelled.
+    times in the database are of clocks that may jump. It also holds a lock of the database, so that
+    its death is noticed sooner. A command is alive while its lock is held. Runs of a dead server go
+    back to the queue; runs of a dead command are cancelled.
     """
 
     def __init__(
@@ -61,7 +71,9 @@ class Ownership:
         self._database, self._policy, self._commands = database, policy, commands
         self._exclusive, self._is_command, self._clock = exclusive, is_command, clock
         self._seen: dict[str, _Heartbeat] = {}
+        self._looked_at = clock()
         self._lock: FileLock | None = None
+        self._server_lock: HeldWork | None = None
         self.owner_id = new_id()
 
     @property
@@ -78,6 +90,8 @@ class Ownership:
         if self._is_command:
             # Locked before other processes can see the owner, so that none takes it for dead.
             self._lock = self._commands.hold(self.owner_id)
+        elif not self._exclusive:
+            self._server_lock = self._database.locks.hold(LongWork.server(self.owner_id))
         with self._database.write() as transaction:
             transaction.workers.register(self.owner_id)
             transaction.idempotency.clean(unfinished=self._exclusive)
@@ -89,6 +103,7 @@ class Ownership:
         Raises:
             StoreError: The database cannot be used.
         """
+        self._database.locks.keep()
         with self._database.write() as transaction:
             transaction.workers.beat(self.owner_id, slots)
         self.take_over()
@@ -104,6 +119,8 @@ class Ownership:
             transaction.minimizations.interrupt(self.owner_id)
             transaction.batches.cancel_reserved(self.owner_id)
             transaction.workers.leave(self.owner_id)
+        if self._server_lock is not None:
+            self._server_lock.release()
         if self._lock is not None:
             self._lock.release()
             self._commands.forget(self.owner_id)
@@ -128,11 +145,20 @@ class Ownership:
         if self._exclusive:
             return dead + servers
         now = self._clock()
+        if now - self._looked_at > _LONGEST_PAUSE_S:
+            self._seen.clear()
+        self._looked_at = now
         for owner_id in servers:
             seen, heartbeat = self._seen.get(owner_id), heartbeats[owner_id]
             if seen is None or seen.heartbeat != heartbeat:
                 self._seen[owner_id] = _Heartbeat(heartbeat=heartbeat, at=now)
-        return dead + [one for one in servers if now - self._seen[one].at >= HEARTBEAT_TIMEOUT_S]
+        return dead + [one for one in servers if self._is_dead(one, now - self._seen[one].at)]
+
+    def _is_dead(self, server: str, silent_s: float) -> bool:
+        if silent_s >= HEARTBEAT_TIMEOUT_S:
+            return True
+        locks = self._database.locks
+        return silent_s >= LOCK_TIMEOUT_S and not locks.is_held(LongWork.server(server))
 
 
 def cancel_runs_of_dead_commands(

@@ -15,7 +15,7 @@ from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError
 from sqlalchemy.orm import Session, sessionmaker
 
-from drivora_service.errors import StoreError, StoreUnavailable
+from drivora_service.errors import Conflict, StoreError, StoreUnavailable
 from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaign_rows import CampaignRowRepository
 from drivora_service.store.campaign_runs import CampaignRunRepository
@@ -43,7 +43,12 @@ from drivora_service.store.sqlite import sqlite_engine
 from drivora_service.store.store_errors import store_errors
 from drivora_service.store.studies import StudyRepository
 from drivora_service.store.suite_runs import SuiteRunRepository
-from drivora_service.store.work_locks import FileWorkLocks, PostgresqlWorkLocks, WorkLocks
+from drivora_service.store.work_locks import (
+    FileWorkLocks,
+    PostgresqlWorkLocks,
+    WorkKind,
+    WorkLocks,
+)
 from drivora_service.store.workers import WorkerRepository
 
 PATIENCE_S = 30.0
@@ -307,6 +312,7 @@ def open_database(
             prevent that.
 
     Raises:
+        Conflict: It is to be migrated, and a server uses it.
         StoreError: It cannot be opened, or was written by a newer version.
     """
     parsed = _parsed(url)
@@ -316,12 +322,26 @@ def open_database(
     make_engine = postgresql_engine if file is None else sqlite_engine
     with store_errors():
         engine = make_engine(parsed, patience_s=patience_s)
+
+        def check() -> None:
+            before_migration()
+            _refuse_while_served(engine)
+
         try:
-            migrate(engine, before_migration=before_migration)
+            migrate(engine, before_migration=check)
         except BaseException:
             engine.dispose()
             raise
     return Database(engine, patience_s=patience_s)
+
+
+def _refuse_while_served(engine: Engine) -> None:
+    """Refuses to migrate a database of which a server on any machine has the older schema."""
+    if _work_locks(engine).is_any_held(WorkKind.SERVER):
+        raise Conflict(
+            "a server of an older version of Drivora uses this database, and this version would "
+            "migrate it; stop all servers on it first"
+        )
 
 
 def make_data_folder(folder: Path) -> None:

@@ -59,6 +59,16 @@ class LongWork:
         return cls(WorkKind.CAMPAIGN, campaign_id)
 
     @classmethod
+    def server(cls, owner_id: str) -> LongWork:
+        """Returns what a server holds for as long as it lives."""
+        return cls(WorkKind.SERVER, owner_id)
+
+    @classmethod
+    def minimization(cls, minimization_id: str) -> LongWork:
+        """Returns the work of a service on a minimisation."""
+        return cls(WorkKind.MINIMIZATION, minimization_id)
+
+    @classmethod
     def study(cls, study_id: str) -> LongWork:
         """Returns the work of a command on a study."""
         return cls(WorkKind.STUDY, study_id)

@@ -287,3 +287,17 @@ def test_a_session_outlasts_a_restart_of_the_service(
             answer = client.get(JOBS, headers={"Cookie": f"{COOKIE}={cookie}"})
             assert answer.status_code == 200
     assert stat.S_IMODE((data / "sessions.json").stat().st_mode) == 0o600
+
+
+def test_servers_that_share_a_folder_share_sessions(
+    tmp_path: Path, tokens: TokenFile, secret: str
+) -> None:
+    token = tokens.find(secret)
+    assert token is not None
+    one, other = (SessionFile(tmp_path / "sessions.json", tokens) for _ in range(2))
+    of_one, of_other = one.begin(token), other.begin(token)
+    for file in (one, other):
+        assert file.find(of_one) == file.find(of_other) == token
+    other.end(of_one)
+    assert one.find(of_one) is None
+    assert one.find(of_other) == token

@@ -2,10 +2,13 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from drivora_service.execution.ownership import HEARTBEAT_TIMEOUT_S, Ownership
+import pytest
+
+from drivora_service.execution.ownership import HEARTBEAT_TIMEOUT_S, LOCK_TIMEOUT_S, Ownership
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.command_locks import CommandLocks
@@ -14,6 +17,16 @@ from drivora_service.store.records import NewRun, Priority
 from drivora_service.store.tables import OwnerRow
 from tests.execution.owners import command, server
 from tests.store.samples import new_run
+
+LOOK_S = 2.0
+"""Seconds between two heartbeats."""
+
+
+@pytest.fixture
+def database(tmp_path: Path) -> Iterator[Database]:
+    opened = open_database(f"sqlite:///{tmp_path / 'shared.sqlite3'}")
+    yield opened
+    opened.close()
 
 
 def running(database: Database, owner_id: str) -> str:
@@ -36,8 +49,9 @@ def jump(database: Database, owner_id: str, by: timedelta) -> None:
         owner.heartbeat_at = datetime.now(UTC) - by
 
 
-def test_a_clock_that_jumps_takes_no_lease_from_a_server_that_lives(tmp_path: Path) -> None:
-    database = open_database(f"sqlite:///{tmp_path / 'shared.sqlite3'}")
+def test_a_clock_that_jumps_takes_no_lease_from_a_server_that_lives(
+    database: Database, tmp_path: Path
+) -> None:
     clock = [0.0]
     policy = RetryPolicy()
     other = Ownership(database, policy, CommandLocks(tmp_path))
@@ -46,20 +60,60 @@ def test_a_clock_that_jumps_takes_no_lease_from_a_server_that_lives(tmp_path: Pa
     run_id = running(database, other.owner_id)
     jump(database, other.owner_id, timedelta(hours=1))
     mine.register()
-    for _ in range(5):
-        clock[0] += 0.9 * HEARTBEAT_TIMEOUT_S
+    for _ in range(60):
+        clock[0] += LOOK_S
         jump(database, other.owner_id, timedelta(hours=1))
         mine.beat(())
     assert status(database, run_id) is RunStatus.RUNNING
 
-    clock[0] += HEARTBEAT_TIMEOUT_S
-    mine.beat(())
-    assert status(database, run_id) is RunStatus.QUEUED
+    # It holds its lock, so that it gets the longer time.
+    assert silence(mine, clock, until=lambda: status(database, run_id) is RunStatus.QUEUED) == (
+        pytest.approx(HEARTBEAT_TIMEOUT_S, abs=2 * LOOK_S)
+    )
     # It was only slow: from its next heartbeat on it owns the runs that it claims.
     other.beat(())
     with database.read() as transaction:
         assert other.owner_id in transaction.workers.heartbeats(me=mine.owner_id)
-    database.close()
+
+
+def test_a_server_without_its_lock_is_dead_sooner(database: Database, tmp_path: Path) -> None:
+    clock = [0.0]
+    mine = Ownership(database, RetryPolicy(), CommandLocks(tmp_path), clock=lambda: clock[0])
+    mine.register()
+    with database.write() as transaction:
+        gone = transaction.workers.register()
+    run_id = running(database, gone)
+    mine.beat(())
+    assert silence(mine, clock, until=lambda: status(database, run_id) is RunStatus.QUEUED) == (
+        pytest.approx(LOCK_TIMEOUT_S, abs=2 * LOOK_S)
+    )
+
+
+def test_nobody_is_dead_because_the_database_was_away(database: Database, tmp_path: Path) -> None:
+    clock = [0.0]
+    mine = Ownership(database, RetryPolicy(), CommandLocks(tmp_path), clock=lambda: clock[0])
+    mine.register()
+    with database.write() as transaction:
+        other = transaction.workers.register()
+    run_id = running(database, other)
+    mine.beat(())
+    # Neither has written a heartbeat meanwhile, and this one is the first that can again.
+    clock[0] += 10 * HEARTBEAT_TIMEOUT_S
+    mine.beat(())
+    assert status(database, run_id) is RunStatus.RUNNING
+    clock[0] += LOOK_S
+    mine.beat(())
+    assert status(database, run_id) is RunStatus.RUNNING
+
+
+def silence(mine: Ownership, clock: list[float], until: Callable[[], bool]) -> float:
+    """Looks as a server does, until something is so; returns the seconds."""
+    begun = clock[0]
+    while not until():
+        assert clock[0] - begun < 100 * LOOK_S
+        clock[0] += LOOK_S
+        mine.beat(())
+    return clock[0] - begun
 
 
 def queued(database: Database, owner_id: str) -> str:

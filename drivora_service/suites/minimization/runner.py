@@ -15,6 +15,7 @@ from drivora_service.execution.supervised import SupervisedThread
 from drivora_service.store.database import Database
 from drivora_service.store.minimization_records import MinimizationProgress, MinimizationState
 from drivora_service.store.minimizations import ActiveMinimization
+from drivora_service.store.work_locks import HeldWork, LongWork
 
 if TYPE_CHECKING:
     from drivora_service.suites.minimization.working import Work
@@ -32,8 +33,9 @@ _log = structlog.get_logger(__name__)
 class MinimizationRunner:
     """A thread that runs the minimisations of one process.
 
-    Nothing is kept but in the database: after a kill, a new thread goes on from the runs that have
-    ended, and each of them counts once.
+    Each is locked in the database: of several services on one database, one works on it. Nothing
+    is kept but in the database: after a kill, a new thread goes on from the runs that have ended,
+    and each of them counts once.
     """
 
     def __init__(
@@ -64,6 +66,7 @@ class MinimizationRunner:
         self._trace_path = trace_path
         self._at_once, self._on_queued = at_once, on_queued
         self._works: dict[str, Work] = {}
+        self._locks: dict[str, HeldWork] = {}
         self._changes: int | None = None
         self._woken = threading.Event()
         self._starting = threading.Lock()
@@ -105,7 +108,7 @@ class MinimizationRunner:
         with database.read() as transaction:
             active = transaction.minimizations.active(self._owner_id())
         for gone in self._works.keys() - {one.id for one in active}:
-            del self._works[gone]
+            self._leave(gone)
         for one in active:
             self._step(database, one)
         # Read before the rows, so that a change meanwhile is not overlooked.
@@ -113,20 +116,25 @@ class MinimizationRunner:
 
     def _step(self, database: Database, active: ActiveMinimization) -> None:
         try:
+            if active.id not in self._locks:
+                self._locks[active.id] = database.locks.hold(LongWork.minimization(active.id))
+        except Conflict:
+            # Another service works on it.
+            return
+        try:
             work, is_new = self._work(database, active)
             ended = self._told(database, work)
             if ended or is_new:
                 self._advance(database, work)
         except Conflict:
             # It was cancelled meanwhile.
-            self._works.pop(active.id, None)
+            self._leave(active.id)
         except StoreError:
             # It passes; what is not stored is asked for again.
-            self._works.pop(active.id, None)
+            self._leave(active.id)
             raise
         except (DrivoraError, ValueError) as error:
             _log.warning("minimization_failed", minimization=active.id, error=str(error))
-            self._works.pop(active.id, None)
             with database.write() as transaction:
                 transaction.minimizations.advance(
                     active.id,
@@ -134,6 +142,14 @@ class MinimizationRunner:
                     MinimizationState.FAILED,
                     message=str(error),
                 )
+            self._leave(active.id)
+
+    def _leave(self, minimization_id: str) -> None:
+        """Works no more on a minimisation; another service may."""
+        self._works.pop(minimization_id, None)
+        lock = self._locks.pop(minimization_id, None)
+        if lock is not None:
+            lock.release()
 
     def _work(self, database: Database, active: ActiveMinimization) -> tuple[Work, bool]:
         """Returns a minimisation at work, and whether it has just begun or begun again."""
@@ -174,7 +190,7 @@ class MinimizationRunner:
                 transaction.minimizations.advance(work.id, progress, end.state, message=end.message)
         if end is not None:
             _log.info("minimization_ended", minimization=work.id, state=end.state)
-            del self._works[work.id]
+            self._leave(work.id)
         elif wanted:
             work.waiting.update(run.run_id for run in wanted)
             self._on_queued()
