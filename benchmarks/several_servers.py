@@ -137,6 +137,7 @@ class Server:
                 [*command, *options, "--host", "127.0.0.1", "--port", str(self.port)],
                 stdout=log,
                 stderr=log,
+                env={**os.environ, "DRIVORA_DRAIN_S": "0"},
             )
 
     def is_ready(self) -> bool:
