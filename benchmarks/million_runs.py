@@ -41,6 +41,7 @@ from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.report import RunReport, RunStatus
 from drivora_service.store.database import Database, open_database
+from drivora_service.store.trace_places import TracePlaces
 from drivora_service.store.traces import TraceFolder
 from drivora_service.studies.service_studies import ServiceStudies
 from drivora_service.suites.minimization.runner import MinimizationRunner
@@ -198,7 +199,7 @@ def _engines(database: Database, folder: Path) -> EngineSetup:
     return EngineSetup(
         database_url=str(database.engine.url),
         campaigns=folder / "campaigns",
-        traces=folder / "traces",
+        traces=TracePlaces.below(folder),
         shipped_networks=shipped_networks(),
         imported_networks=None,
         workers=1,

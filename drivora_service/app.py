@@ -36,10 +36,10 @@ from drivora_service.settings import Settings
 from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import make_data_folder, open_database
 from drivora_service.store.server_folder import ServerFolder
-from drivora_service.store.traces import CampaignTraces, TraceFolder
 from drivora_service.store.work_locks import WorkKind
 from drivora_service.studies.service_studies import ServiceStudies
 from drivora_service.suites.minimization.runner import MinimizationRunner
+from drivora_service.trace_settings import trace_places
 from drivora_service.worker_settings import run_limits, worker_setup
 
 _LOCK_TIMEOUT_S = 5.0
@@ -91,12 +91,13 @@ def create_service(
     exclusive = settings.resolved_database_url.startswith("sqlite")
     folder = ServerFolder(settings.data_dir, is_shared=not exclusive)
     database = open_database(settings.resolved_database_url, patience_s=_LOCK_TIMEOUT_S)
-    traces = TraceFolder(settings.traces_dir)
+    places = trace_places(settings)
+    traces = places.of_runs()
     workers_folder = folder.path / "workers"
     infrastructure = Infrastructure(
         {
             "database": database.probe,
-            "traces": folder_probe(traces.root),
+            "traces": places.storage_probe() or folder_probe(settings.traces_dir),
             "data": folder_probe(workers_folder),
         },
         on_fatal=on_fatal,
@@ -142,7 +143,7 @@ def create_service(
     housekeeping = Housekeeping(
         database,
         traces,
-        CampaignTraces(settings.campaigns_dir),
+        places.of_failures(),
         retention(settings),
         explained=lambda: bool(infrastructure.confirm_now()),
     )
@@ -230,7 +231,7 @@ def _engine_setup(settings: Settings) -> EngineSetup:
     return EngineSetup(
         database_url=settings.resolved_database_url,
         campaigns=settings.campaigns_dir,
-        traces=settings.traces_dir,
+        traces=trace_places(settings),
         shipped_networks=shipped_networks(),
         imported_networks=settings.imported_networks_dir,
         workers=settings.workers,

@@ -37,9 +37,10 @@ from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
 from drivora_service.store.command_database import CommandDatabase
 from drivora_service.store.command_locks import CommandLocks
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.trace_places import TracePlaces
 from drivora_service.studies.command_studies import CommandSetup, CommandStudies
 from drivora_service.suites.minimization.runner import MinimizationRunner
+from drivora_service.trace_settings import trace_places
 from drivora_service.worker_settings import run_limits, worker_setup
 
 _NO_LIMIT = 1 << 60
@@ -55,10 +56,10 @@ class CommandRuns:
     """The dispatcher of a command and its workers; they start with the first runs."""
 
     def __init__(
-        self, settings: Settings, database: CommandDatabase, traces: TraceFolder, most: int
+        self, settings: Settings, database: CommandDatabase, places: TracePlaces, most: int
     ) -> None:
         """Starts no worker yet; ``most`` is the number of worker processes at once."""
-        self._settings, self._database, self._traces = settings, database, traces
+        self._settings, self._database, self._places = settings, database, places
         self._most = most
         self._stack = contextlib.ExitStack()
         self._starting = threading.Lock()
@@ -110,7 +111,10 @@ class CommandRuns:
         database, settings = self._database(), self._settings
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="drivora-")))
         infrastructure = Infrastructure(
-            {"database": database.probe, "traces": folder_probe(self._traces.root)},
+            {
+                "database": database.probe,
+                "traces": self._places.storage_probe() or folder_probe(settings.traces_dir),
+            },
         )
         executor = self._stack.enter_context(
             LocalExecutor(
@@ -123,7 +127,9 @@ class CommandRuns:
         ownership = Ownership(
             database, RetryPolicy(), CommandLocks(settings.data_dir), is_command=True
         )
-        dispatcher = Dispatcher(database, executor, self._traces, infrastructure, ownership)
+        dispatcher = Dispatcher(
+            database, executor, self._places.of_runs(), infrastructure, ownership
+        )
         infrastructure.start(on_change=dispatcher.wake)
         self._stack.callback(infrastructure.stop)
         dispatcher.start()
@@ -162,16 +168,19 @@ def create_command_app(
             opened, RetryPolicy(), CommandLocks(settings.data_dir)
         ),
     )
-    traces = TraceFolder(settings.traces_dir)
-    runs = CommandRuns(settings, database, traces, workers or settings.workers)
+    places = trace_places(settings)
+    traces = places.of_runs()
+    runs = CommandRuns(settings, database, places, workers or settings.workers)
     catalogues = Catalogues(
         NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
         settings.agents_folder,
         law_sources(settings.laws_folder),
     )
 
+    failure_traces = places.of_failures()
+
     def campaign_folder(campaign_id: str) -> CampaignFolder:
-        return CampaignFolder(settings.campaigns_dir, campaign_id)
+        return CampaignFolder(settings.campaigns_dir, campaign_id, failure_traces)
 
     @contextlib.contextmanager
     def evaluating(wanted: int | None) -> Iterator[Evaluator]:

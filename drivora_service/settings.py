@@ -45,6 +45,11 @@ class Settings(BaseSettings):
         description="Address of the database, of SQLite or PostgreSQL; empty: SQLite in the data "
         "folder.",
     )
+    traces_url: str = Field(
+        default="",
+        description="Storage of the traces, as an address of fsspec such as s3://bucket/folder; "
+        "empty: the data folder.",
+    )
     host: str = Field(default="127.0.0.1", description="Address to listen on.")
     port: int = Field(default=8000, ge=0, le=65535, description="Port; 0 picks a free one.")
     public_url: str = Field(

@@ -51,8 +51,8 @@ def recorded_run(context: ApiContext, run_id: str) -> RecordedRun:
     if record.trace_sha256 and path.is_file():
         return RecordedRun(record=record, path=path)
     if evaluation is not None and record.trace_sha256:
-        folder = context.campaign_folder(evaluation.campaign_id).traces
-        path = folder / trace_name(evaluation.number)
+        folder = context.campaign_folder(evaluation.campaign_id)
+        path = folder.trace(trace_name(evaluation.number))
         if path.is_file():
             return RecordedRun(record=record, path=path)
     hint = f"the run is {record.status.value}"

@@ -47,7 +47,9 @@ class _FaultCollector(Collector):
             "drivora_traces_free_bytes", "Free bytes of the volume that holds the traces"
         )
         with contextlib.suppress(OSError):
-            free.add_metric([], shutil.disk_usage(_existing(self._context.trace_path("0"))).free)
+            free.add_metric(
+                [], shutil.disk_usage(_existing(self._context.campaign_folder("0").path)).free
+            )
         yield free
 
 

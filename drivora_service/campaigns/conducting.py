@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 from drivora_service.campaigns.confirming import confirm_failures, group_failures
 from drivora_service.campaigns.engine import Engine, Search, Told
@@ -36,7 +35,7 @@ def conduct(
     evaluator: Evaluator,
     journal: Journal,
     *,
-    traces: Path | None = None,
+    trace_address: Callable[[str], str] | None = None,
     confirm: bool = True,
     watcher: Watcher = Watcher(),  # frozen
 ) -> CampaignState:
@@ -46,7 +45,8 @@ def conduct(
         search: The campaign.
         evaluator: Must have no other user meanwhile; the caller closes it.
         journal: Record of the campaign; its evaluations are replayed first.
-        traces: Folder for the traces of the failures; ``None``: they are not kept.
+        trace_address: Returns where the trace of a failure, by its name, is written; ``None``: they
+            are not kept.
         confirm: Whether failures are run again.
         watcher: Callbacks.
 
@@ -67,7 +67,7 @@ def conduct(
             journal,
             evaluator,
             run_prefix=search.run_prefix,
-            traces=traces,
+            trace_address=trace_address,
             requested=watcher.requested,
             on_confirmed=watcher.on_confirmed,
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.grouping import Grouping
@@ -20,7 +19,7 @@ def confirm_failures(
     evaluator: Evaluator,
     *,
     run_prefix: str,
-    traces: Path | None,
+    trace_address: Callable[[str], str] | None,
     requested: Callable[[], CampaignRequest] = lambda: CampaignRequest.NONE,
     on_confirmed: Callable[[int, Confirmation], None] = lambda _number, _confirmation: None,
 ) -> CampaignRequest:
@@ -32,7 +31,7 @@ def confirm_failures(
         journal: Journal of a campaign after its search.
         evaluator: Must have no other user meanwhile.
         run_prefix: Prefix of the ids of the runs.
-        traces: Folder for the traces; ``None``: they are not kept.
+        trace_address: Returns where a trace of a name is written; ``None``: they are not kept.
         requested: Returns a pending request to stop.
         on_confirmed: Called with each number and confirmation.
 
@@ -47,8 +46,6 @@ def confirm_failures(
     for record in journal.evaluations(violating=True):
         if record.number in open_numbers:
             expected[record.number] = record.report.trace_sha256
-    if traces is not None and expected:
-        traces.mkdir(parents=True, exist_ok=True)
     evaluator.submit(
         [
             (
@@ -56,7 +53,7 @@ def confirm_failures(
                 RunSpec(
                     run_id=f"{run_prefix}-{number}-again",
                     document=journal.document(number),
-                    trace_path="" if traces is None else str(traces.resolve() / trace_name(number)),
+                    trace_path="" if trace_address is None else trace_address(trace_name(number)),
                 ),
             )
             for number in expected
@@ -70,7 +67,7 @@ def confirm_failures(
             refuse_lost(answer)
             same = _is_same(answer.report, expected.pop(answer.number))
             confirmation = Confirmation.CONFIRMED if same else Confirmation.FLAKY
-            kept = traces is not None and answer.report.trace_sha256
+            kept = trace_address is not None and answer.report.trace_sha256
             trace = trace_name(answer.number) if kept else ""
             journal.confirm(answer.number, confirmation, trace)
             on_confirmed(answer.number, confirmation)

@@ -20,7 +20,7 @@ from drivora_service.errors import Conflict, DrivoraError, PluginError, StoreUna
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.oracles.laws.sources import LawSource
 from drivora_service.store.database import open_database
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.trace_places import TracePlaces
 from drivora_service.worker.parent_death import die_with_parent
 
 CANNOT_RUN = 75
@@ -41,14 +41,14 @@ class EngineSetup:
     Attributes:
         database_url: Database of the service; not shown, since it may hold a password.
         campaigns: Folder of all campaigns.
-        traces: Folder of the service's traces.
+        traces: Where the traces are.
         workers: Number of runs that the service performs at once.
         laws: The user's law files.
     """
 
     database_url: str = field(repr=False)
     campaigns: Path
-    traces: Path
+    traces: TracePlaces
     shipped_networks: Path
     imported_networks: Path | None
     workers: int
@@ -57,7 +57,7 @@ class EngineSetup:
 
     def folder(self, campaign_id: str) -> CampaignFolder:
         """Returns the folder of a campaign."""
-        return CampaignFolder(self.campaigns, campaign_id)
+        return CampaignFolder(self.campaigns, campaign_id, self.traces.of_failures())
 
     def log(self, campaign_id: str) -> Path:
         """Returns the path of the log of a campaign's process."""
@@ -99,7 +99,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
         evaluator = QueueEvaluator(
             database,
             record,
-            TraceFolder(setup.traces),
+            setup.traces,
             most=workers if few else None,
             on_queued=lambda: queued.send_bytes(b"queued"),
         )

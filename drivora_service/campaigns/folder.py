@@ -6,27 +6,27 @@ from pathlib import Path
 
 from drivora_service.campaigns.checkpoints import FolderCheckpoints
 from drivora_service.errors import StoreError
-from drivora_service.store.traces import CampaignTraces
+from drivora_service.store.traces import CampaignTraces, FailureTraces
 
 
 class CampaignFolder:
-    """The folder of a campaign's files.
+    """The folder of a campaign's files, and the traces of its failures.
 
     Attributes:
         path: The folder.
-        traces: Folder of the traces of its failures.
     """
 
-    def __init__(self, root: Path, campaign_id: str) -> None:
+    def __init__(self, root: Path, campaign_id: str, traces: FailureTraces | None = None) -> None:
         """Prepares the folder of a campaign.
 
         Args:
             root: Folder of all campaigns.
             campaign_id: Id of the campaign.
+            traces: Where traces of failures are; ``None``: in the folder.
         """
         self.path = root / campaign_id
-        self.traces = CampaignTraces(root).folder(campaign_id)
         self._id = campaign_id
+        self._traces = CampaignTraces(root) if traces is None else traces
 
     def make(self) -> None:
         """Makes the folder, so that a campaign does not fail for want of it hours later.
@@ -41,6 +41,14 @@ class CampaignFolder:
                 f"the folder of campaign {self._id} cannot be used: {error}; make "
                 f"{self.path.parent} a folder that can be written to, and resume the campaign"
             ) from error
+
+    def trace(self, name: str) -> Path:
+        """Returns the path of the trace ``name`` of a failure, which may not exist."""
+        return self._traces.path(self._id, name)
+
+    def trace_address(self, name: str) -> str:
+        """Returns where a worker writes the trace ``name`` of a failure."""
+        return self._traces.address(self._id, name)
 
     def checkpoints(self, told: int) -> FolderCheckpoints:
         """Returns the checkpoints of its tester.

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
-import os
-import shutil
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from pathlib import Path
 
 from drivora_service.campaigns.evaluator import Answer
 from drivora_service.runs.candidate import Candidate
@@ -19,7 +15,7 @@ from drivora_service.scenario.canonical import from_canonical
 from drivora_service.store.campaign_records import CampaignRecord
 from drivora_service.store.database import Database
 from drivora_service.store.records import NewRun
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.trace_places import TracePlaces
 
 _FIRST_POLL_S = 0.01
 _LONGEST_POLL_S = 0.05
@@ -42,7 +38,7 @@ class QueueEvaluator:
         self,
         database: Database,
         campaign: CampaignRecord,
-        traces: TraceFolder,
+        places: TracePlaces,
         *,
         most: int | None = None,
         on_queued: Callable[[], None] = lambda: None,
@@ -52,11 +48,12 @@ class QueueEvaluator:
         Args:
             database: Database of the service.
             campaign: The campaign.
-            traces: Folder into which the workers write traces.
+            places: Where the workers write traces.
             most: Greatest number of runs queued or running at once; ``None``: any number.
             on_queued: Called after a run was queued.
         """
-        self._database, self._campaign, self._traces = database, campaign, traces
+        self._database, self._campaign = database, campaign
+        self._traces, self._failure_traces = places.of_runs(), places.of_failures()
         self._most, self._on_queued = most, on_queued
         self._has_several_seeds = bool(campaign.document.get("scenarios"))
         self._held: deque[tuple[int, RunSpec]] = deque()
@@ -148,7 +145,7 @@ class QueueEvaluator:
     def _answer(self, report: RunReport, candidate: Candidate | None) -> Answer:
         number, spec = self._open.pop(report.run_id)
         if spec.trace_path and report.trace_sha256:
-            _share(self._traces.path(report.run_id), Path(spec.trace_path))
+            self._failure_traces.take(self._traces.address(report.run_id), spec.trace_path)
         return Answer(number=number, report=report, candidate=candidate)
 
 
@@ -156,15 +153,3 @@ class QueueEvaluator:
 def _town_of(document: str) -> str:
     """Returns the road network of a scenario; before a run it is one of few seed scenarios."""
     return from_canonical(document).map_region.town
-
-
-def _share(written: Path, wanted: Path) -> None:
-    """Links a trace under a second name, or copies it where links are impossible."""
-    wanted.parent.mkdir(parents=True, exist_ok=True)
-    wanted.unlink(missing_ok=True)
-    # A trace may have been pruned meanwhile.
-    with contextlib.suppress(FileNotFoundError):
-        try:
-            os.link(written, wanted)
-        except OSError:
-            shutil.copyfile(written, wanted)

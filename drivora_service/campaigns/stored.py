@@ -109,7 +109,13 @@ def run_stored(
                 checkpoints=folder.checkpoints(record.counts.evaluations),
             )
             with evaluator(valid.campaign.workers) as evaluating:
-                state = conduct(search, evaluating, journal, traces=folder.traces, watcher=asking)
+                state = conduct(
+                    search,
+                    evaluating,
+                    journal,
+                    trace_address=folder.trace_address,
+                    watcher=asking,
+                )
         except KeyboardInterrupt:
             journal.end(CampaignState.PAUSED)
             raise

@@ -27,7 +27,7 @@ from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.report import RunSpec
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.store.database import Database
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.traces import RunTraces
 
 _POLL_S = 0.5
 _HEARTBEAT_S = 2.0
@@ -51,7 +51,7 @@ class Dispatcher:
         self,
         database: Database,
         executor: Executor,
-        traces: TraceFolder,
+        traces: RunTraces,
         infrastructure: Infrastructure,
         ownership: Ownership,
         *,
@@ -224,7 +224,7 @@ class Dispatcher:
                 ends,
                 self._policy,
                 room,
-                trace_path=lambda run_id: str(self._traces.path(run_id)),
+                trace_path=self._traces.address,
                 reserved_to=self._ownership.reserved_to,
             )
             cancelled = transaction.queue.to_cancel() if looks else ()

@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from drivora_service.execution.supervised import Backoff, SupervisedThread
 from drivora_service.store.database import Database
 from drivora_service.store.retention import Retention, retain
-from drivora_service.store.traces import CampaignTraces, TraceFolder
+from drivora_service.store.traces import FailureTraces, RunTraces
 
 _EVERY_S = 3600.0
 _STOP_S = 5.0
@@ -21,8 +21,8 @@ class Housekeeping:
     def __init__(
         self,
         database: Database,
-        traces: TraceFolder,
-        campaign_traces: CampaignTraces,
+        traces: RunTraces,
+        campaign_traces: FailureTraces,
         retention: Retention,
         *,
         every_s: float = _EVERY_S,

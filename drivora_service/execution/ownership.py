@@ -103,7 +103,6 @@ class Ownership:
         Raises:
             StoreError: The database cannot be used.
         """
-        self._database.locks.keep()
         with self._database.write() as transaction:
             transaction.workers.beat(self.owner_id, slots)
         self.take_over()
@@ -126,11 +125,12 @@ class Ownership:
             self._commands.forget(self.owner_id)
 
     def take_over(self) -> None:
-        """Takes over the runs of dead owners.
+        """Takes over the runs of dead owners; with each heartbeat.
 
         Raises:
             StoreError: The database cannot be used.
         """
+        self._database.locks.keep()
         with self._database.read() as transaction:
             heartbeats = transaction.workers.heartbeats(me=self.owner_id)
         for owner_id in self._dead(heartbeats):

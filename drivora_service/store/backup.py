@@ -10,7 +10,7 @@ from pathlib import Path
 
 from drivora_service.errors import StoreError
 from drivora_service.store.database import Database
-from drivora_service.store.traces import CampaignTraces, TraceFolder
+from drivora_service.store.traces import CampaignTraces, FailureTraces, RunTraces, TraceFolder
 
 DATABASE_NAME = "drivora.sqlite3"
 
@@ -31,10 +31,10 @@ class Backup:
 
 def back_up(
     database: Database,
-    traces: TraceFolder,
+    traces: RunTraces,
     target: Path,
     *,
-    campaign_traces: CampaignTraces | None = None,
+    campaign_traces: FailureTraces | None = None,
 ) -> Backup:
     """Copies the database, then the traces of the runs that have ended in that copy.
 

@@ -30,7 +30,7 @@ from drivora_service.store.minimization_records import MinimizationState
 from drivora_service.store.minimization_tables import MinimizationRow
 from drivora_service.store.revisions import next_revisions, revise_batches
 from drivora_service.store.tables import BatchRow, DocumentRow, RunRow
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.traces import RunTraces
 
 _WITHOUT_RESULT = (RunStatus.CANCELLED, RunStatus.INVALID, RunStatus.INFRASTRUCTURE_FAILED)
 _READ_AT_ONCE = 2000
@@ -76,7 +76,7 @@ class Pruned:
 
 def prune(
     database: Database,
-    traces: TraceFolder,
+    traces: RunTraces,
     *,
     ended_before: datetime,
     keep_violated: bool = False,
@@ -105,7 +105,7 @@ def prune(
 
 def prune_chosen(
     database: Database,
-    traces: TraceFolder,
+    traces: RunTraces,
     chosen: Chosen,
     *,
     ended_before: datetime,
@@ -144,7 +144,7 @@ def prune_chosen(
     return files + Pruned(runs=0 if only_traces else runs, traces=0, freed_bytes=0)
 
 
-def remove_strays(database: Database, traces: TraceFolder, *, written_before: datetime) -> Pruned:
+def remove_strays(database: Database, traces: RunTraces, *, written_before: datetime) -> Pruned:
     """Removes trace files without a run, such as a kill leaves behind."""
     removed = Pruned(runs=0, traces=0, freed_bytes=0)
     for run_ids in traces.run_ids_by_folder():
@@ -163,8 +163,7 @@ def remove_strays(database: Database, traces: TraceFolder, *, written_before: da
         strays = [
             run_id
             for run_id in run_ids
-            if run_id not in wanted
-            and traces.path(run_id).stat().st_mtime < written_before.timestamp()
+            if run_id not in wanted and traces.written_at(run_id) < written_before.timestamp()
         ]
         removed += _remove_files(traces, strays)
     return removed
@@ -285,14 +284,12 @@ def _remove_empty_batches(session: Session, created_before: datetime) -> None:
     )
 
 
-def _remove_files(traces: TraceFolder, run_ids: Sequence[str]) -> Pruned:
+def _remove_files(traces: RunTraces, run_ids: Sequence[str]) -> Pruned:
     removed = freed = 0
     for run_id in run_ids:
-        path = traces.path(run_id)
         try:
-            size = path.stat().st_size
-            path.unlink()
+            freed += traces.remove(run_id)
         except FileNotFoundError:
             continue
-        removed, freed = removed + 1, freed + size
+        removed += 1
     return Pruned(runs=0, traces=removed, freed_bytes=freed)

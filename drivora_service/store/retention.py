@@ -16,7 +16,7 @@ from drivora_service.store.database import Database
 from drivora_service.store.free_space import return_free_space
 from drivora_service.store.pruning import Chosen, Pruned, prune_chosen, remove_strays
 from drivora_service.store.revisions import campaign_has_changed
-from drivora_service.store.traces import CampaignTraces, TraceFolder
+from drivora_service.store.traces import FailureTraces, RunTraces
 
 _STRAY_AGE = timedelta(days=1)
 _NOTHING = Pruned(runs=0, traces=0, freed_bytes=0)
@@ -52,8 +52,8 @@ class Retention:
 
 def retain(
     database: Database,
-    traces: TraceFolder,
-    campaign_traces: CampaignTraces,
+    traces: RunTraces,
+    campaign_traces: FailureTraces,
     retention: Retention,
     *,
     now: datetime,
@@ -104,7 +104,7 @@ def retain(
 
 
 def _prune_campaigns(
-    database: Database, campaign_traces: CampaignTraces, ended_before: datetime
+    database: Database, campaign_traces: FailureTraces, ended_before: datetime
 ) -> Pruned:
     with database.read() as transaction:
         campaigns = transaction.session.execute(
@@ -115,11 +115,9 @@ def _prune_campaigns(
     removed = freed = 0
     for seq, campaign_id in campaigns:
         kept = _drop_traces(database, seq)
-        folder = campaign_traces.folder(campaign_id)
-        for path in sorted(folder.glob("*.parquet")) if folder.is_dir() else ():
-            if path.name not in kept:
-                freed += path.stat().st_size
-                path.unlink()
+        for name in campaign_traces.names(campaign_id):
+            if name not in kept:
+                freed += campaign_traces.remove(campaign_id, name)
                 removed += 1
     return Pruned(runs=0, traces=removed, freed_bytes=freed)
 

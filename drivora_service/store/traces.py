@@ -1,57 +1,178 @@
-"""The locations of trace files.
+"""The places of trace files, in folders or in a storage of objects.
 
 Those of runs are ``traces/ab/<run id>.parquet``, spread by the end of the id; those of the failures
-of a campaign are ``campaigns/<campaign id>/traces/<name>``.
+of a campaign are ``campaigns/<campaign id>/traces/<name>``. A trace has an *address*, to which a
+worker writes it, and a *path*, at which it can be read on this machine.
 """
 
 from __future__ import annotations
 
+import contextlib
+import os
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Protocol
+
+
+class RunTraces(Protocol):
+    """All traces of runs."""
+
+    @property
+    def place(self) -> str:
+        """Where they are, for messages."""
+
+    def address(self, run_id: str) -> str:
+        """Returns where a worker writes the trace of a run."""
+
+    def prepare(self, run_id: str) -> str:
+        """Prepares for a run's trace, and returns its address.
+
+        The trace of an earlier attempt is not that of the next one.
+
+        Raises:
+            OSError: Nothing can be written there.
+        """
+
+    def path(self, run_id: str) -> Path:
+        """Returns the path of the trace of a run, which may not exist.
+
+        Raises:
+            OSError: The storage does not answer.
+        """
+
+    def has(self, run_id: str) -> bool:
+        """Returns whether a run has a trace."""
+
+    def written_at(self, run_id: str) -> float:
+        """Returns when a trace was written, in seconds since 1970.
+
+        Raises:
+            FileNotFoundError: There is none.
+        """
+
+    def remove(self, run_id: str) -> int:
+        """Removes a trace; returns its size in bytes.
+
+        Raises:
+            FileNotFoundError: There is none.
+        """
+
+    def run_ids_by_folder(self) -> Iterator[tuple[str, ...]]:
+        """Yields the ids of all runs that have a trace, one folder at a time."""
+
+
+class FailureTraces(Protocol):
+    """The traces of the failures of all campaigns."""
+
+    def address(self, campaign_id: str, name: str) -> str:
+        """Returns where a worker writes the trace ``name`` of a failure."""
+
+    def path(self, campaign_id: str, name: str) -> Path:
+        """Returns the path of the trace of a failure, which may not exist."""
+
+    def names(self, campaign_id: str) -> tuple[str, ...]:
+        """Returns the names of the traces of a campaign."""
+
+    def remove(self, campaign_id: str, name: str) -> int:
+        """Removes a trace; returns its size in bytes."""
+
+    def take(self, run: str, address: str) -> None:
+        """Makes the trace of a run that of a failure, too; nothing if it was removed meanwhile.
+
+        Args:
+            run: Address of the trace of the run.
+            address: That of the trace of the failure.
+        """
 
 
 class TraceFolder:
-    """The folder of all traces."""
+    """A folder of a file system; see ``RunTraces``."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
+
+    @property
+    def place(self) -> str:
+        """The folder."""
+        return str(self.root)
+
+    def address(self, run_id: str) -> str:
+        """Returns the path of the trace of a run, absolute."""
+        return str(self.path(run_id).absolute())
 
     def path(self, run_id: str) -> Path:
         """Returns the path of the trace of a run, which may not exist."""
         return self.root / run_id[-2:] / f"{run_id}.parquet"
 
     def prepare(self, run_id: str) -> str:
-        """Makes the folder of a run's trace; returns the trace's path.
-
-        Removes the trace of an earlier attempt, which is not that of the next one.
-        """
+        """Makes the folder of a run's trace, and removes the trace of an earlier attempt."""
         path = self.path(run_id)
         path.unlink(missing_ok=True)
         path.parent.mkdir(parents=True, exist_ok=True)
-        return str(path)
+        return self.address(run_id)
 
-    def run_ids(self) -> Iterator[str]:
-        """Yields the ids of all runs that have a trace file."""
-        for path in sorted(self.root.glob("??/*.parquet")):
-            yield path.stem
+    def has(self, run_id: str) -> bool:
+        """Returns whether a run has a trace."""
+        return self.path(run_id).is_file()
+
+    def written_at(self, run_id: str) -> float:
+        """Returns when a trace was written."""
+        return self.path(run_id).stat().st_mtime
+
+    def remove(self, run_id: str) -> int:
+        """Removes a trace; returns its size in bytes."""
+        return _removed(self.path(run_id))
 
     def run_ids_by_folder(self) -> Iterator[tuple[str, ...]]:
-        """Yields the same ids, one folder at a time."""
+        """Yields the ids of all runs that have a trace, one folder at a time."""
         for folder in sorted(self.root.glob("??")):
             yield tuple(sorted(path.stem for path in folder.glob("*.parquet")))
 
 
 class CampaignTraces:
-    """The traces of the failures of all campaigns."""
+    """The folders of campaigns in a file system; see ``FailureTraces``."""
 
     def __init__(self, root: Path) -> None:
         """Takes the folder of all campaigns."""
         self.root = root
 
-    def folder(self, campaign_id: str) -> Path:
-        """Returns the folder of a campaign's traces."""
-        return self.root / campaign_id / "traces"
+    def address(self, campaign_id: str, name: str) -> str:
+        """Returns the path of the trace ``name`` of a failure, absolute."""
+        return str(self.path(campaign_id, name).absolute())
 
     def path(self, campaign_id: str, name: str) -> Path:
         """Returns the path of the trace ``name`` of a failure."""
-        return self.folder(campaign_id) / name
+        return self.root / campaign_id / "traces" / name
+
+    def names(self, campaign_id: str) -> tuple[str, ...]:
+        """Returns the names of the traces of a campaign."""
+        folder = self.root / campaign_id / "traces"
+        return tuple(sorted(path.name for path in folder.glob("*.parquet")))
+
+    def remove(self, campaign_id: str, name: str) -> int:
+        """Removes a trace; returns its size in bytes."""
+        return _removed(self.path(campaign_id, name))
+
+    def take(self, run: str, address: str) -> None:
+        """Links a trace under a second name, or copies it where links are impossible."""
+        written, wanted = Path(run), Path(address)
+        wanted.parent.mkdir(parents=True, exist_ok=True)
+        wanted.unlink(missing_ok=True)
+        with contextlib.suppress(FileNotFoundError):
+            try:
+                os.link(written, wanted)
+            except OSError:
+                shutil.copyfile(written, wanted)
+
+
+def run_ids(traces: RunTraces) -> Iterator[str]:
+    """Yields the ids of all runs that have a trace."""
+    for some in traces.run_ids_by_folder():
+        yield from some
+
+
+def _removed(path: Path) -> int:
+    size = path.stat().st_size
+    path.unlink()
+    return size

@@ -19,14 +19,14 @@ from drivora_service.store.database import Database
 from drivora_service.store.facet_verification import facet_findings
 from drivora_service.store.findings import Finding
 from drivora_service.store.tables import BatchRow, ReportRow, RunRow
-from drivora_service.store.traces import CampaignTraces, TraceFolder
+from drivora_service.store.traces import FailureTraces, RunTraces, run_ids
 
 
 def verify(
     database: Database,
-    traces: TraceFolder,
+    traces: RunTraces,
     *,
-    campaign_traces: CampaignTraces | None = None,
+    campaign_traces: FailureTraces | None = None,
     hash_trace: Callable[[Path], str] | None = None,
 ) -> Iterator[Finding]:
     """Checks the database, and that every trace has its run or failure and every one its trace.
@@ -59,11 +59,11 @@ def verify(
             sha256 = failure.trace_sha256
             subject = f"{failure.campaign_id}/{failure.name}"
             yield from _trace(subject, path, sha256, hash_trace if sha256 else None)
-    for run_id in traces.run_ids():
+    for run_id in run_ids(traces):
         if run_id not in expected and run_id not in unfinished:
             yield Finding(
                 kind="trace_without_run",
-                subject=str(traces.path(run_id)),
+                subject=traces.address(run_id),
                 message="no judged run has this trace; `drivora store prune` removes it",
             )
 

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from importlib.metadata import version
-from pathlib import Path
 
 import numpy as np
 
@@ -34,8 +33,8 @@ from drivora_service.metrics.built_in import measure
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
-from drivora_service.observations.trace_file import write_trace
 from drivora_service.observations.trace_hash import egos_sha256, trace_sha256
+from drivora_service.observations.trace_storage import remove_stored, store_trace
 from drivora_service.oracles.built_in import default_oracles, judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
@@ -190,7 +189,7 @@ def _perform(
     }
     if spec.trace_path:
         try:
-            write_trace(trace, Path(spec.trace_path))
+            store_trace(trace, spec.trace_path)
         except (OSError, StoreError) as error:
             failure = RunFailure(cause="trace_not_written", message=str(error))
             return _failed(spec, RunStatus.INFRASTRUCTURE_FAILED, failure, course)
@@ -252,7 +251,7 @@ def _perform(
 def _on_two_networks(spec: RunSpec, network: RoadNetwork, course: _Course) -> RunReport:
     """Returns a report without a result: SUMO and the oracles may have read different files."""
     if spec.trace_path:
-        Path(spec.trace_path).unlink(missing_ok=True)
+        remove_stored(spec.trace_path)
     message = f"the road network {network.name!r} was replaced while the run was executed"
     failure = RunFailure(cause="network_replaced", message=message)
     return _failed(spec, RunStatus.INFRASTRUCTURE_FAILED, failure, course)

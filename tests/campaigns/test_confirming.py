@@ -42,7 +42,7 @@ def test_another_trace_or_none_is_flaky(journal: MemoryJournal) -> None:
         journal,
         Computed(work=work),
         run_prefix="test",
-        traces=None,
+        trace_address=None,
         on_confirmed=answers.__setitem__,
     )
     assert answers[other] is answers[none] is Confirmation.FLAKY
@@ -61,7 +61,12 @@ def test_traces_are_asked_for_and_named(journal: MemoryJournal, tmp_path: Path) 
         return perform(spec)
 
     folder = tmp_path / "traces"
-    confirm_failures(journal, Computed(work=work), run_prefix="test", traces=folder)
+    confirm_failures(
+        journal,
+        Computed(work=work),
+        run_prefix="test",
+        trace_address=lambda name: str(folder / name),
+    )
     assert folder.is_dir()
     for failure in journal.failures():
         assert asked[f"test-{failure.evaluation}-again"] == str(folder / failure.trace)
@@ -73,14 +78,14 @@ def test_a_request_stops_it_and_the_rest_is_done_later(journal: MemoryJournal) -
         journal,
         Computed(),
         run_prefix="test",
-        traces=None,
+        trace_address=None,
         requested=lambda: CampaignRequest.PAUSE if answered else CampaignRequest.NONE,
         on_confirmed=lambda number, _: answered.append(number),
     )
     assert request is CampaignRequest.PAUSE
     assert len(answered) == 1
     rest = Computed()
-    confirm_failures(journal, rest, run_prefix="test", traces=None)
+    confirm_failures(journal, rest, run_prefix="test", trace_address=None)
     assert sorted(rest.submitted + answered) == failing(journal)
 
 
@@ -91,5 +96,5 @@ def test_a_lost_run_is_no_answer(journal: MemoryJournal) -> None:
         return RunReport(run_id=spec.run_id, status=status, failure=failure)
 
     with pytest.raises(CampaignError, match="was lost"):
-        confirm_failures(journal, Computed(work=lost), run_prefix="test", traces=None)
+        confirm_failures(journal, Computed(work=lost), run_prefix="test", trace_address=None)
     assert {f.confirmation for f in journal.failures()} == {Confirmation.OPEN}

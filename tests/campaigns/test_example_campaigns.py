@@ -116,5 +116,5 @@ def test_the_failure_is_found_and_happens_again(
     assert {**failure.verdict.evidence, **discovery.evidence} == failure.verdict.evidence
 
     with LocalExecutor(slots=2, setup=setup, folder=tmp_path / "again") as executor:
-        confirm_failures(journal, LocalEvaluator(executor), run_prefix=name, traces=None)
+        confirm_failures(journal, LocalEvaluator(executor), run_prefix=name, trace_address=None)
     assert {failure.confirmation for failure in journal.failures()} == {Confirmation.CONFIRMED}

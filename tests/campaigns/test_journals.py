@@ -127,7 +127,7 @@ def test_failures_are_run_again_and_grouped_without_changing_the_search(
 ) -> None:
     run(journal)
     evaluator = Computed(slots=2)
-    confirm_failures(journal, evaluator, run_prefix="test", traces=None)
+    confirm_failures(journal, evaluator, run_prefix="test", trace_address=None)
     group_failures(journal)
     failing = {r.number for r in records if r.violations}
     assert sorted(evaluator.submitted) == sorted(failing)
@@ -135,7 +135,7 @@ def test_failures_are_run_again_and_grouped_without_changing_the_search(
     assert all(f.group is not None for f in journal.failures())
     assert sequence(list(journal.evaluations())) == sequence(records)
     again = Computed()
-    confirm_failures(journal, again, run_prefix="test", traces=None)
+    confirm_failures(journal, again, run_prefix="test", trace_address=None)
     assert again.submitted == []
 
 

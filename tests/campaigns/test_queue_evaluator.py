@@ -25,6 +25,7 @@ from drivora_service.store.campaign_records import (
 )
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.records import BatchState, Priority, RunSummary
+from drivora_service.store.trace_places import TracePlaces
 from drivora_service.store.traces import TraceFolder
 from drivora_service.testing.evaluator_contract import EvaluatorContract
 from tests.execution.owners import server
@@ -55,6 +56,7 @@ class TestQueue(EvaluatorContract):
     @pytest.fixture(autouse=True)
     def served(self, tmp_path: Path) -> Iterator[None]:
         self.database = open_database(f"sqlite:///{tmp_path / 'drivora.sqlite3'}")
+        self.places = TracePlaces.below(tmp_path)
         self.traces = TraceFolder(tmp_path / "traces")
         with contextlib.ExitStack() as self.stack:
             self.stack.callback(self.database.close)
@@ -78,7 +80,7 @@ class TestQueue(EvaluatorContract):
         dispatcher.start()
         self.stack.callback(dispatcher.stop)
         return QueueEvaluator(
-            self.database, campaign(self.database), self.traces, on_queued=dispatcher.wake
+            self.database, campaign(self.database), self.places, on_queued=dispatcher.wake
         )
 
     def test_a_trace_is_written_where_it_is_wanted_and_only_then(
@@ -103,7 +105,7 @@ class TestQueue(EvaluatorContract):
 
 @pytest.fixture
 def evaluate(database: Database, tmp_path: Path) -> QueueEvaluator:
-    return QueueEvaluator(database, campaign(database), TraceFolder(tmp_path / "traces"))
+    return QueueEvaluator(database, campaign(database), TracePlaces.below(tmp_path))
 
 
 def spec(number: int, document: str = "") -> RunSpec:
@@ -126,7 +128,7 @@ def the_campaign(database: Database) -> CampaignRecord:
 
 def again(database: Database, tmp_path: Path) -> QueueEvaluator:
     """The evaluator of a process that resumes the campaign."""
-    return QueueEvaluator(database, the_campaign(database), TraceFolder(tmp_path / "traces"))
+    return QueueEvaluator(database, the_campaign(database), TracePlaces.below(tmp_path))
 
 
 def test_runs_are_those_of_a_campaign(database: Database, evaluate: QueueEvaluator) -> None:
@@ -217,9 +219,7 @@ def test_a_run_of_another_scenario_is_no_answer(
 def test_no_more_runs_wait_than_the_campaign_has_workers(
     database: Database, tmp_path: Path
 ) -> None:
-    evaluator = QueueEvaluator(
-        database, campaign(database), TraceFolder(tmp_path / "traces"), most=2
-    )
+    evaluator = QueueEvaluator(database, campaign(database), TracePlaces.below(tmp_path), most=2)
     for number in range(4):
         evaluator.submit([(number, spec(number))])
     owner = register(database)
@@ -232,7 +232,7 @@ def test_no_more_runs_wait_than_the_campaign_has_workers(
 def test_campaigns_take_turns_and_everything_else_goes_first(
     database: Database, evaluate: QueueEvaluator, tmp_path: Path
 ) -> None:
-    other = QueueEvaluator(database, campaign(database, "other"), TraceFolder(tmp_path / "traces"))
+    other = QueueEvaluator(database, campaign(database, "other"), TracePlaces.below(tmp_path))
     for number in range(3):
         evaluate.submit([(number, spec(number))])
     for number in range(3):

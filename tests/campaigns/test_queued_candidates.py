@@ -18,7 +18,7 @@ from drivora_service.runs.candidate import Candidate, CandidateSource, SpaceSour
 from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.store.database import Database
 from drivora_service.store.records import RunSummary
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.trace_places import TracePlaces
 from tests.campaigns.test_queue_evaluator import again, campaign
 from tests.store.samples import crashed, ended, finish, finished, lost, register
 
@@ -31,7 +31,7 @@ DECODED = Candidate(values=(0.1, 0.5, 0.0), document='{"decoded":1}', prepare_s=
 
 @pytest.fixture
 def evaluate(database: Database, tmp_path: Path) -> QueueEvaluator:
-    return QueueEvaluator(database, campaign(database), TraceFolder(tmp_path / "traces"))
+    return QueueEvaluator(database, campaign(database), TracePlaces.below(tmp_path))
 
 
 def claimed(database: Database, owner: str) -> tuple[RunSpec, ...]:

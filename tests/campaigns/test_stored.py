@@ -136,7 +136,7 @@ def test_failures_are_confirmed_and_their_traces_kept(
     for failure in failures:
         assert failure.confirmation is Confirmation.CONFIRMED
         assert failure.group is not None
-        trace = read_trace(campaigns.folder(campaign_id).traces / failure.trace)
+        trace = read_trace(campaigns.folder(campaign_id).trace(failure.trace))
         assert trace_sha256(trace) == by_number[failure.evaluation].report.trace_sha256
         assert failure.kind.startswith(failure.verdict.oracle)
     assert {f.evaluation for f in failures} == {n for n, e in by_number.items() if e.violations}

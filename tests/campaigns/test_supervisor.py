@@ -22,6 +22,7 @@ from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.search.catalogue import TesterCatalogue
 from drivora_service.store.campaign_records import CampaignRecord, CampaignRequest, CampaignState
 from drivora_service.store.database import Database
+from drivora_service.store.trace_places import TracePlaces
 from drivora_service.store.work_locks import LongWork
 from tests.campaign_engines import engine_pid
 
@@ -64,7 +65,7 @@ class Service:
         self.setup = EngineSetup(
             database_url=str(database.engine.url),
             campaigns=folder / "campaigns",
-            traces=folder / "traces",
+            traces=TracePlaces.below(folder),
             shipped_networks=shipped_networks(),
             imported_networks=None,
             workers=2,

@@ -323,7 +323,7 @@ def test_contradictions_in_campaigns_are_found(database: Database, tmp_path: Pat
     campaign_id, other = create(database), create(database)
     append(database, campaign_id, *(evaluation(n, violated=(True,)) for n in range(4)))
     traces = CampaignTraces(tmp_path / "campaigns")
-    traces.folder(campaign_id).mkdir(parents=True)
+    traces.path(campaign_id, "any").parent.mkdir(parents=True)
     with database.write() as transaction:
         for number, confirmation in enumerate(
             (Confirmation.CONFIRMED, Confirmation.FLAKY, Confirmation.CONFIRMED)
@@ -357,7 +357,7 @@ def test_a_backup_holds_the_traces_of_failures(database: Database, tmp_path: Pat
     campaign_id = create(database)
     append(database, campaign_id, evaluation(0, violated=(True,)), evaluation(1, violated=(None,)))
     traces = CampaignTraces(tmp_path / "campaigns")
-    traces.folder(campaign_id).mkdir(parents=True)
+    traces.path(campaign_id, "any").parent.mkdir(parents=True)
     traces.path(campaign_id, "0.trace.parquet").write_text("trace")
     with database.write() as transaction:
         for number in range(2):

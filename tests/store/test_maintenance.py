@@ -16,7 +16,7 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.store.pruning import prune
 from drivora_service.store.records import Priority
 from drivora_service.store.server_lock import ServerLock
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.traces import TraceFolder, run_ids
 from drivora_service.store.verification import verify
 from tests.store.samples import claim, finish, finished, new_run, only_sqlite, register, submit
 
@@ -139,7 +139,7 @@ def test_pruning_only_traces_keeps_the_runs(
     soon = datetime.now(UTC) + timedelta(days=1)
     pruned = prune(database, traces, ended_before=soon, only_traces=True)
     assert (pruned.runs, pruned.traces) == (0, 3)
-    assert list(traces.run_ids()) == []
+    assert list(run_ids(traces)) == []
     assert kinds(database, traces) == set()
     with database.read() as transaction:
         assert len(transaction.jobs.page().items) == 4

@@ -20,7 +20,7 @@ from drivora_service.store.free_space import return_free_space, rewrite_database
 from drivora_service.store.pruning import prune
 from drivora_service.store.records import Priority
 from drivora_service.store.retention import Retention, retain
-from drivora_service.store.traces import CampaignTraces, TraceFolder
+from drivora_service.store.traces import CampaignTraces, TraceFolder, run_ids
 from drivora_service.store.verification import verify
 from tests.store.samples import (
     claim,
@@ -76,7 +76,7 @@ def left(database: Database, traces: TraceFolder) -> tuple[set[str], set[str]]:
     assert list(verify(database, traces)) == []
     with database.read() as transaction:
         jobs = transaction.jobs.page(limit=500).items
-    return {job.id for job in jobs}, set(traces.run_ids())
+    return {job.id for job in jobs}, set(run_ids(traces))
 
 
 def test_everything_is_kept_by_default(
@@ -183,7 +183,7 @@ def test_of_the_failures_of_a_campaign_the_first_of_each_kind_and_group_keeps_it
     campaign_id = create(database)
     records = [evaluation(n, violated=(True,), oracle=name) for n, name in enumerate(oracles)]
     append(database, campaign_id, *records)
-    campaign_traces.folder(campaign_id).mkdir(parents=True)
+    campaign_traces.path(campaign_id, "any").parent.mkdir(parents=True)
     names = [f"{number:06d}.trace.parquet" for number in range(len(oracles))]
     with database.write() as transaction:
         for number, name in enumerate(names):
@@ -200,7 +200,7 @@ def test_of_the_failures_of_a_campaign_the_first_of_each_kind_and_group_keeps_it
         Retention(campaign_traces=timedelta(days=7)),
         now=NOW,
     )
-    files = {path.name for path in campaign_traces.folder(campaign_id).iterdir()}
+    files = set(campaign_traces.names(campaign_id))
     assert files == {names[number] for number in kept}
     assert list(verify(database, traces, campaign_traces=campaign_traces)) == []
 
@@ -283,7 +283,7 @@ def test_a_service_removes_expired_runs_automatically(
     housekeeping = Housekeeping(database, traces, campaign_traces, retention, every_s=0.05)
     housekeeping.start()
     deadline = time.monotonic() + 30
-    while runs[0] in traces.run_ids() and time.monotonic() < deadline:
+    while runs[0] in run_ids(traces) and time.monotonic() < deadline:
         time.sleep(0.02)
     housekeeping.stop()
     assert left(database, traces)[0] == set(runs[1:])

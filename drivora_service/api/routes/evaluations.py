@@ -112,7 +112,7 @@ def get_evaluation(
         summary = transaction.campaign_views.evaluation(campaign_id, number)
         lineage = transaction.campaign_views.ancestors(campaign_id, number, most=_MOST_ANCESTORS)
         run_url = _run_url(transaction, record.report.run_id)
-    trace = context.campaign_folder(campaign_id).traces / trace_name(number)
+    trace = context.campaign_folder(campaign_id).trace(trace_name(number))
     detail = evaluation_of(
         summary,
         record,
@@ -153,7 +153,7 @@ def get_observations(
     """Returns the recording of the second, identical run of a failing candidate."""
     with context.database.read() as transaction:
         record = transaction.evaluations.get(campaign_id, number)
-    path = context.campaign_folder(campaign_id).traces / trace_name(number)
+    path = context.campaign_folder(campaign_id).trace(trace_name(number))
     if not path.is_file():
         raise _no_trace(number)
     return observations_answer(request, path, record.report.trace_sha256, part)
@@ -180,7 +180,7 @@ async def get_picture(
         return record, from_canonical(document).map_region.town
 
     record, town = await asyncio.to_thread(recorded)
-    path = context.campaign_folder(campaign_id).traces / trace_name(number)
+    path = context.campaign_folder(campaign_id).trace(trace_name(number))
     if not path.is_file():
         raise _no_trace(number)
     return await picture_answer(

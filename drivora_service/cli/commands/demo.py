@@ -130,13 +130,13 @@ def _draw(data_dir: Path, run: Run) -> Path | None:
     """Draws the run with the most violations."""
     from drivora_service.cli.drawing import draw_trace
     from drivora_service.cli.installation import settings_for
-    from drivora_service.store.traces import TraceFolder
+    from drivora_service.trace_settings import trace_places
 
     if not run.trace_sha256:
         return None
     settings = settings_for(data_dir)
     picture = data_dir / "run.svg"
-    draw_trace(TraceFolder(settings.traces_dir).path(run.id), settings, picture)
+    draw_trace(trace_places(settings).of_runs().path(run.id), settings, picture)
     return picture
 
 

@@ -15,7 +15,7 @@ from drivora_service.cli.output import JsonOption, fail, print_json
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Database
-    from drivora_service.store.traces import CampaignTraces, TraceFolder
+    from drivora_service.store.traces import FailureTraces, RunTraces
 
 app = typer.Typer(help="The database and the traces.", no_args_is_help=True)
 
@@ -157,11 +157,11 @@ def prune(
 @contextmanager
 def _opened(
     data_dir: Path | None, *, makes_data: bool = False
-) -> Iterator[tuple[Database, TraceFolder, CampaignTraces]]:
+) -> Iterator[tuple[Database, RunTraces, FailureTraces]]:
     from drivora_service.cli.installation import settings_for
     from drivora_service.cli.private_files import keep_files_private
     from drivora_service.store.command_database import CommandDatabase
-    from drivora_service.store.traces import CampaignTraces, TraceFolder
+    from drivora_service.trace_settings import trace_places
 
     keep_files_private()
     settings = settings_for(data_dir)
@@ -169,6 +169,7 @@ def _opened(
         settings.data_dir, settings.resolved_database_url, makes_data=makes_data
     )
     try:
-        yield database(), TraceFolder(settings.traces_dir), CampaignTraces(settings.campaigns_dir)
+        places = trace_places(settings)
+        yield database(), places.of_runs(), places.of_failures()
     finally:
         database.close()
