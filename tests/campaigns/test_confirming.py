@@ -67,7 +67,6 @@ def test_traces_are_asked_for_and_named(journal: MemoryJournal, tmp_path: Path) 
         run_prefix="test",
         trace_address=lambda name: str(folder / name),
     )
-    assert folder.is_dir()
     for failure in journal.failures():
         assert asked[f"test-{failure.evaluation}-again"] == str(folder / failure.trace)
 
