@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
-from pathlib import Path
-
 from drivora_service.settings import Settings
 from drivora_service.store.trace_places import TracePlaces
 
@@ -16,5 +12,5 @@ def trace_places(settings: Settings) -> TracePlaces:
         runs=settings.traces_dir,
         campaigns=settings.campaigns_dir,
         url=settings.traces_url,
-        copies=Path(tempfile.gettempdir()) / f"drivora-traces-{os.getuid()}",
+        copies=settings.data_dir / "copies",
     )

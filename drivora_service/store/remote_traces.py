@@ -38,7 +38,7 @@ class Storage:
 
         Args:
             url: Address of the folder, such as ``s3://bucket/drivora``.
-            copies: Folder of the copies, which no other process uses.
+            copies: Folder of the copies.
 
         Raises:
             ConfigurationError: No installed package knows such addresses.
