@@ -35,20 +35,33 @@ class Cluster:
     """A cluster that runs.
 
     Attributes:
-        address: Its address.
+        address: Its address, once it has begun.
+        nodes: Ids of the nodes with which it has begun.
     """
 
     def __init__(self, process: subprocess.Popen[str]) -> None:
         self._process = process
+        self.address = ""
+        self.nodes: list[str] = []
+
+    def begin(self) -> None:
+        """Waits until the cluster has its first node."""
         self.address = self._read()
 
     def add(self, cpus: int) -> str:
-        """Adds a node; returns the begin of its id."""
+        """Adds a node; returns its id."""
         return self._ask(f"add {cpus}")
 
     def kill(self, node: str) -> None:
         """Kills a node with all its processes."""
         self._ask(f"kill {node}")
+
+    def end(self) -> None:
+        """Ends the cluster with all its nodes."""
+        with contextlib.suppress(OSError, ValueError):
+            self._process.communicate("", timeout=_END_S)
+        self._process.kill()
+        self._process.wait()
 
     def _ask(self, command: str) -> str:
         assert self._process.stdin is not None
@@ -76,16 +89,13 @@ def ray_cluster(*cpus: int) -> Iterator[Cluster]:
             stdout=subprocess.PIPE,
             text=True,
         )
+        cluster = Cluster(process)
         try:
-            cluster = Cluster(process)
-            for number in cpus:
-                cluster.add(number)
+            cluster.begin()
+            cluster.nodes += [cluster.add(number) for number in cpus]
             yield cluster
         finally:
-            with contextlib.suppress(OSError):
-                process.communicate("", timeout=_END_S)
-            process.kill()
-            process.wait()
+            cluster.end()
 
 
 def main() -> None:

@@ -146,9 +146,10 @@ class _Driver:
             self._links[name] = NodeLink(name, node_id, slots, self._setup.node, send=self._send)
 
     def _slots_of(self, node: dict[str, Any]) -> int:
-        if self._setup.slots_per_node is not None:
-            return self._setup.slots_per_node
-        return int(node["Resources"].get("CPU", 0))
+        """Returns the number of slots of a node; a node without CPUs is to perform no runs."""
+        cpus = int(node["Resources"].get("CPU", 0))
+        wanted = self._setup.slots_per_node
+        return cpus if wanted is None or not cpus else wanted
 
     def _receive(self) -> None:
         try:

@@ -75,7 +75,8 @@ class RayExecutor:
             folder: For the log of the connection; made if it does not exist.
             node_folder: Folder that all nodes share, for the logs of their workers; ``None``: each
                 node uses a temporary folder of its own.
-            slots_per_node: Worker processes of a node; ``None``: its CPUs as Ray knows them.
+            slots_per_node: Worker processes of a node; ``None``: its CPUs as Ray knows them. A
+                node without CPUs has none.
             limits: Limits of a worker.
             perform: As of the executor of one machine.
             warm_up: As there.
@@ -283,7 +284,7 @@ class RayExecutor:
         elif now - self._member_seen > _NO_NODE_S:
             self._set_fault(
                 f"no node of the Ray cluster at {self._setup.address} is alive that has CPUs; "
-                "start one with `ray start`, or set DRIVORA_WORKERS for nodes without CPUs"
+                "start one with `ray start`"
             )
             return
         else:

@@ -37,7 +37,7 @@ class ClusterSetup:
 
     Attributes:
         address: Address of the cluster, HOST:PORT, or ``auto`` for that of this machine.
-        slots_per_node: Slots of each node; ``None``: its CPUs as Ray knows them.
+        slots_per_node: Slots of each node that has CPUs; ``None``: as many as these.
         log: File for what the process prints.
         node: Configuration of every node.
     """

@@ -137,15 +137,12 @@ def _actor(name: str, node_id: str, slots: int, setup: NodeSetup) -> Any:
     import ray
     from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 
-    has_cpus = any(
-        node["NodeID"] == node_id and node["Resources"].get("CPU", 0) for node in ray.nodes()
-    )
     remote: Any = ray.remote(Node)
     return remote.options(
         scheduling_strategy=NodeAffinitySchedulingStrategy(node_id, soft=False),
         max_concurrency=_THREADS,
         max_restarts=0,
-        num_cpus=_SHARE if has_cpus else 0,
+        num_cpus=_SHARE,
     ).remote(name, slots, setup)
 
 
