@@ -1,11 +1,12 @@
 """The effect of a Ray cluster: the same runs on its nodes and on the executor of this machine.
 
 The runs: one ego (`idm`), ten reactive NPCs, 60 s, on tee-town, traces written; two workers on
-each side. The cluster is on this machine, too: two nodes of one worker each, and a head node
-without. The sides take turns, and begin in turns, so that a machine that changes its speed changes
-it for both; workers are warm before the clock starts.
+each side, whose runs are submitted as a campaign submits its own. The cluster is on this machine,
+too: two nodes of one worker each, and a head node without. The sides take turns, and begin in
+turns, so that a machine that changes its speed changes it for both; workers are warm before the
+clock starts.
 
-    python -m benchmarks.ray_throughput --runs 100 --rounds 5
+    python -m benchmarks.ray_throughput --runs 100 --rounds 20
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ from itertools import count
 from pathlib import Path
 
 from benchmarks.scenes import usual_scenes
+from drivora_service.campaigns.local_evaluator import LocalEvaluator
 from drivora_service.execution.executor import Executor
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.ray.executor import RayExecutor
-from drivora_service.execution.running import run_all
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.runs.report import RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
@@ -40,11 +41,13 @@ def run(executor: Executor, documents: Sequence[str], folder: Path, names: Itera
         RunSpec(run_id=f"run{n}", document=text, trace_path=str(folder / f"{n}.parquet"))
         for n, text in zip(names, documents, strict=False)
     ]
+    evaluator, statuses = LocalEvaluator(executor), []
     begun = time.perf_counter()
-    reports = list(run_all(executor, specs))
+    evaluator.submit(list(enumerate(specs)))
+    while answers := evaluator.wait():
+        statuses += [answer.report.status for answer in answers]
     seconds = time.perf_counter() - begun
-    assert len(reports) == len(documents)
-    assert all(report.status is RunStatus.FINISHED for report in reports)
+    assert statuses == [RunStatus.FINISHED] * len(documents)
     return seconds
 
 
@@ -60,7 +63,7 @@ def main() -> None:
     """Measures and prints."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, default=100, help="of each side in a round")
-    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--rounds", type=int, default=20)
     options = parser.parse_args()
     documents = [canonical_json(scene) for scene in usual_scenes(options.runs, seed=1)]
     setup, names = WorkerSetup(shipped_networks=shipped_networks()), count()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
 import pytest
 
@@ -27,14 +27,14 @@ def with_runs(count: int, **slots: int) -> Placement:
     return placement
 
 
-def finished(*run_ids: str, fault: str = "") -> News:
+def finished(*run_ids: str, fault: str = "", seconds: float = 20.0) -> News:
     now = datetime.now(UTC)
     ends = tuple(
         AttemptEnd(
             report=RunReport(run_id=run_id, status=RunStatus.FINISHED),
             worker="slot",
             started=now,
-            ended=now,
+            ended=now + timedelta(seconds=seconds),
         )
         for run_id in run_ids
     )
@@ -60,6 +60,13 @@ def test_few_runs_wait_on_nodes_and_the_others_go_to_nodes_that_join() -> None:
     assert placed(placement) == {"two": [f"{number:02}" for number in range(6, 12)]}
     assert len(placement.note("one", finished("00", "03"))) == 2
     assert placed(placement) == {"one": ["12", "13"]}
+
+
+def test_a_node_is_given_more_runs_if_they_are_short() -> None:
+    placement = with_runs(100, one=1)
+    assert len(placed(placement)["one"]) == 4
+    placement.note("one", finished("00", seconds=0.1))
+    assert len(placed(placement)["one"]) == 8
 
 
 def test_a_lost_node_costs_the_runs_that_it_may_have_performed() -> None:

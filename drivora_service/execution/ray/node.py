@@ -16,6 +16,9 @@ from drivora_service.execution.ray.messages import News, NodeSetup, Orders
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.worker.setup import WorkerSetup
 
+_TOGETHER_S = 0.2
+"""Seconds for which ends are collected; the pace of a node holds runs for several times as long."""
+
 
 class Node:
     """The slots of a node: those of the executor of one machine.
@@ -40,7 +43,9 @@ class Node:
                 "same version on all nodes"
             )
         _forget_main_module()
-        self._name = name
+        self._name, self._slots = name, slots
+        # Approximate, as two threads change it; it only decides how long ends are collected.
+        self._held = 0
         self._temporary: tempfile.TemporaryDirectory[str] | None = None
         if setup.folder is None:
             self._temporary = tempfile.TemporaryDirectory(prefix="drivora-")
@@ -64,15 +69,26 @@ class Node:
         for one in orders:
             for spec in one.submit:
                 self._executor.submit(spec)
+            self._held += len(one.submit)
             for run_id in one.cancel:
                 self._executor.cancel(run_id)
             if one.withdraw:
                 withdrawn += self._executor.withdraw()
+                self._held -= len(withdrawn)
         return tuple(withdrawn)
 
     def news(self, timeout_s: float) -> News:
-        """Waits for the end of an attempt, for ``timeout_s`` seconds at most; returns the news."""
-        ends = self._executor.wait(timeout_s)
+        """Waits for the end of an attempt, for ``timeout_s`` seconds at most; returns the news.
+
+        While there are runs for all slots, ends are collected for a moment: a call costs the
+        processors of node and service some milliseconds, as long as a short run in part.
+        """
+        enough = self._held - 2 * self._slots
+        if enough > 1:
+            ends = self._executor.wait(min(timeout_s, _TOGETHER_S), count=enough)
+        else:
+            ends = self._executor.wait(timeout_s)
+        self._held -= len(ends)
         return News(
             ends=tuple(replace(end, worker=self._named(end.worker)) for end in ends),
             slots=tuple(

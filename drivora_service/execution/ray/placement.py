@@ -8,16 +8,16 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
 from drivora_service.execution.deaths import report_loss
+from drivora_service.execution.pace import Pace
 from drivora_service.execution.ray.messages import News, Orders
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report import RunSpec
 from drivora_service.runs.slot_state import SlotState
 
-_AHEAD_A_SLOT = 1
 _AHEAD = 2
-"""Runs that a node holds beyond those that its slots perform: the next run of each slot, and a few
-more, so that no slot of a small node waits for the network between two short runs."""
+"""Runs that a node holds beyond those of its pace, so that no slot of a small node waits for the
+network between two runs."""
 
 
 @dataclass(slots=True)
@@ -28,6 +28,8 @@ class _Node:
         slots: Number of its slots.
         states: Their last known state.
         fault: The reason that no worker of the node can be started, or "".
+        pace: How many runs it is given ahead: more if they are short, so that a call over the
+            network does much at once.
         runs: Runs that it holds, in the order in which it got them, each with the time.
         cancel: Runs that it is to be told to cancel.
         withdraw: Whether it is to be told to return what it has not started.
@@ -37,6 +39,7 @@ class _Node:
     slots: int
     states: tuple[SlotState, ...] = ()
     fault: str = ""
+    pace: Pace = field(default_factory=Pace)
     runs: dict[str, tuple[RunSpec, datetime]] = field(default_factory=dict)
     cancel: list[str] = field(default_factory=list)
     withdraw: bool = False
@@ -47,7 +50,7 @@ class _Node:
         """Number of runs that it may be given."""
         if self.fault or self.withdrawing or self.withdraw:
             return 0
-        return (1 + _AHEAD_A_SLOT) * self.slots + _AHEAD - len(self.runs)
+        return self.pace.wanted_in_flight(self.slots) + _AHEAD - len(self.runs)
 
     @property
     def load(self) -> float:
@@ -147,6 +150,8 @@ class Placement:
         node.states, node.fault = news.slots, news.fault
         ends = tuple(end for end in news.ends if node.runs.pop(end.report.run_id, None))
         self._cancelled.difference_update(end.report.run_id for end in ends)
+        for end in ends:
+            node.pace.note((end.ended - end.started).total_seconds())
         if node.fault and node.runs and not node.withdrawing:
             # Another node may start them.
             node.withdraw = True
