@@ -54,7 +54,14 @@ def begin_service(data_dir: Path, *options: str, workers: int, port: int = 0) ->
     data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
     _announcement(data_dir).unlink(missing_ok=True)
     log = data_dir / "service.log"
-    usual = ("--data-dir", data_dir, "--workers", str(workers), "--host", "127.0.0.1")
+    usual: tuple[str | Path, ...] = (
+        "--data-dir",
+        data_dir,
+        "--workers",
+        str(workers),
+        "--host",
+        "127.0.0.1",
+    )
     return begin(
         *("serve", *usual, *options, "--port", str(port)),
         folder=data_dir,

@@ -117,7 +117,6 @@ def test_withdrawn_runs_are_given_to_no_other_node(is_held: bool) -> None:
     placement.join("two", 2)
     placement.is_held = is_held
     placement.withdraw()
-    assert placement.is_withdrawing
     assert placement.orders()["one"].withdraw
     placement.put_back("one", ["02", "03"])
     assert not placement.is_withdrawing
