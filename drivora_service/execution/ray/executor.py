@@ -15,6 +15,7 @@ import structlog
 
 from drivora_service.errors import ConfigurationError
 from drivora_service.execution.executor import Limits
+from drivora_service.execution.ray.cluster_fault import ClusterFault
 from drivora_service.execution.ray.connection import Connected, ConnectionLostError
 from drivora_service.execution.ray.messages import (
     ClusterSetup,
@@ -34,9 +35,6 @@ from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.report import RunSpec
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.worker.loop import PERFORM, PREPARE, WARM_UP, WorkerTask
-
-_NO_NODE_S = 10.0
-"""Seconds without a node after which that is a fault; another may be joining."""
 
 _WITHDRAW_S = 5.0
 """Seconds within which nodes return what they have not started."""
@@ -111,7 +109,7 @@ class RayExecutor:
         self._closed = False
         self._connected: Connected | None = None
         self._members: Members | None = None
-        self._member_seen = time.monotonic()
+        self._cluster_fault = ClusterFault(address)
         self._fault = ""
         self._faults = FaultLog(_log)
         self._closing = threading.Event()
@@ -225,6 +223,7 @@ class RayExecutor:
                 with Connected(self._setup) as connected:
                     with self._work:
                         self._connected, self._members = connected, None
+                        self._cluster_fault = ClusterFault(self._setup.address)
                     while not self._closing.is_set():
                         message = connected.receive()
                         if message is not None:
@@ -271,28 +270,10 @@ class RayExecutor:
                     f"the Ray cluster at {self._setup.address} cannot be reached: "
                     f"{message.reason}; start it, or correct DRIVORA_RAY_ADDRESS"
                 )
-        self._look_for_fault()
+        if self._members is not None:
+            faults = placement.faults
+            self._set_fault(self._cluster_fault.look(self._members, faults, time.monotonic()))
         self._work.notify_all()
-
-    def _look_for_fault(self) -> None:
-        members, now = self._members, time.monotonic()
-        if members is None:
-            # Connecting: the fault of before, if any, lasts.
-            return
-        if members.alive:
-            self._member_seen = now
-        elif now - self._member_seen > _NO_NODE_S:
-            self._set_fault(
-                f"no node of the Ray cluster at {self._setup.address} is alive that has CPUs; "
-                "start one with `ray start`"
-            )
-            return
-        else:
-            return
-        known = {**self._placement.faults, **members.unusable}
-        faulty = [name for name in members.alive if known.get(name)]
-        all_are = len(faulty) == len(members.alive)
-        self._set_fault(f"on the node {faulty[0]}: {known[faulty[0]]}" if all_are else "")
 
     def _set_fault(self, fault: str) -> None:
         begins = bool(fault) and not self._fault
