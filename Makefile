@@ -148,7 +148,7 @@ pictures: $(DEV_STAMP) $(PAGE_STAMP) $(PAGE_TOOLS_STAMP) kernels ## Redraw the p
 
 lock: $(DEV_STAMP) ## Resolve the pinned packages again
 	for set in run dev; do \
-	  if [ $$set = dev ]; then flags="--extra networks --extra postgresql --group dev"; else flags="--group build"; fi; \
+	  if [ $$set = dev ]; then flags="--extra cluster --extra networks --extra postgresql --group dev"; else flags="--group build"; fi; \
 	  $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
 	    --no-emit-index-url --no-emit-find-links --no-header --no-annotate $$flags \
 	    pyproject.toml --output-file requirements/$$set.txt; \

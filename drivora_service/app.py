@@ -26,7 +26,6 @@ from drivora_service.errors import ConfigurationError
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.housekeeping import Housekeeping
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
-from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.ownership import Ownership
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.laws.sources import law_sources
@@ -40,10 +39,13 @@ from drivora_service.store.work_locks import WorkKind
 from drivora_service.studies.service_studies import ServiceStudies
 from drivora_service.suites.minimization.runner import MinimizationRunner
 from drivora_service.trace_settings import trace_places
-from drivora_service.worker_settings import run_limits, worker_setup
+from drivora_service.worker_settings import start_executor, with_shared_paths
 
 _LOCK_TIMEOUT_S = 5.0
 """Seconds for which a request waits for other writers of the database."""
+
+_MANY = 1 << 20
+"""More workers than any campaign may want: a cluster has a number that changes."""
 
 _log = structlog.stdlib.get_logger(__name__)
 
@@ -86,6 +88,7 @@ def create_service(
         Conflict: Another process serves this data folder.
         StoreError: The database cannot be used.
     """
+    settings = with_shared_paths(settings)
     tokens = _tokens(settings)
     make_data_folder(settings.data_dir)
     exclusive = settings.resolved_database_url.startswith("sqlite")
@@ -102,11 +105,8 @@ def create_service(
         },
         on_fatal=on_fatal,
     )
-    executor = LocalExecutor(
-        slots=settings.workers,
-        setup=worker_setup(settings),
-        folder=workers_folder,
-        limits=run_limits(settings),
+    executor = start_executor(
+        settings, slots=settings.workers, folder=workers_folder, shared_folder=workers_folder
     )
     ownership = Ownership(
         database, RetryPolicy(), CommandLocks(settings.data_dir), exclusive=exclusive
@@ -176,7 +176,7 @@ def create_service(
             campaigns.start()
             minimizations.wake()
             housekeeping.start()
-            _log.info("ready", workers=settings.workers, data_dir=str(settings.data_dir))
+            _log.info("ready", workers=executor.capacity, data_dir=str(settings.data_dir))
             yield
         finally:
             housekeeping.stop()
@@ -234,7 +234,7 @@ def _engine_setup(settings: Settings) -> EngineSetup:
         traces=trace_places(settings),
         shipped_networks=shipped_networks(),
         imported_networks=settings.imported_networks_dir,
-        workers=settings.workers,
+        workers=settings.workers if settings.executor == "local" else _MANY,
         agents=settings.agents_folder,
         laws=law_sources(settings.laws_folder),
     )

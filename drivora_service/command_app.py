@@ -26,8 +26,10 @@ from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.evaluators import evaluator_plugins
 from drivora_service.campaigns.folder import CampaignFolder
 from drivora_service.campaigns.gene_spaces import GeneSpaces
+from drivora_service.campaigns.local_evaluator import LOCAL, LocalEvaluator
 from drivora_service.campaigns.shared_pool import SharedPool
 from drivora_service.execution.dispatcher import Dispatcher
+from drivora_service.execution.executor import Executor
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.ownership import Ownership, cancel_runs_of_dead_commands
@@ -41,7 +43,12 @@ from drivora_service.store.trace_places import TracePlaces
 from drivora_service.studies.command_studies import CommandSetup, CommandStudies
 from drivora_service.suites.minimization.runner import MinimizationRunner
 from drivora_service.trace_settings import trace_places
-from drivora_service.worker_settings import run_limits, worker_setup
+from drivora_service.worker_settings import (
+    run_limits,
+    start_executor,
+    with_shared_paths,
+    worker_setup,
+)
 
 _NO_LIMIT = 1 << 60
 """A command is bounded by its own memory."""
@@ -64,7 +71,7 @@ class CommandRuns:
         self._stack = contextlib.ExitStack()
         self._starting = threading.Lock()
         self._dispatcher: Dispatcher | None = None
-        self._executor: LocalExecutor | None = None
+        self._executor: Executor | None = None
         self._reserved = 0
         self._infrastructure: Infrastructure | None = None
         self._owner_id = ""
@@ -92,7 +99,7 @@ class CommandRuns:
             slots = min(self._most, max(1, self._reserved))
             if self._executor is None:
                 self._dispatcher = self._started(slots)
-            else:
+            elif isinstance(self._executor, LocalExecutor):
                 self._executor.grow(slots)
         return self._owner_id
 
@@ -117,12 +124,7 @@ class CommandRuns:
             },
         )
         executor = self._stack.enter_context(
-            LocalExecutor(
-                slots=slots,
-                setup=worker_setup(settings),
-                folder=folder,
-                limits=run_limits(settings),
-            )
+            contextlib.closing(start_executor(settings, slots=slots, folder=folder))
         )
         ownership = Ownership(
             database, RetryPolicy(), CommandLocks(settings.data_dir), is_command=True
@@ -159,6 +161,7 @@ def create_command_app(
     Raises:
         UnknownName: There is no such evaluator.
     """
+    settings = with_shared_paths(settings)
     plugin = evaluator_plugins().plugin(evaluator)
     database = CommandDatabase(
         settings.data_dir,
@@ -185,6 +188,11 @@ def create_command_app(
     @contextlib.contextmanager
     def evaluating(wanted: int | None) -> Iterator[Evaluator]:
         with tempfile.TemporaryDirectory(prefix="drivora-") as folder:
+            if settings.executor != "local" and plugin is LOCAL:
+                executor = start_executor(settings, slots=settings.workers, folder=Path(folder))
+                with contextlib.closing(LocalEvaluator(executor)) as on_executor:
+                    yield on_executor
+                return
             context = EvaluatorContext(
                 workers=workers or wanted or settings.workers,
                 setup=worker_setup(settings),
@@ -202,11 +210,10 @@ def create_command_app(
     def pooling(wanted: int | None) -> Iterator[SharedPool]:
         with (
             tempfile.TemporaryDirectory(prefix="drivora-") as folder,
-            LocalExecutor(
-                slots=workers or wanted or settings.workers,
-                setup=worker_setup(settings),
-                folder=Path(folder),
-                limits=run_limits(settings),
+            contextlib.closing(
+                start_executor(
+                    settings, slots=workers or wanted or settings.workers, folder=Path(folder)
+                )
             ) as executor,
             SharedPool(executor) as pool,
         ):

@@ -63,7 +63,17 @@ class Settings(BaseSettings):
         default_factory=lambda: os.cpu_count() or 1,
         ge=1,
         le=1024,
-        description="Worker processes; one run at a time each.",
+        description="Worker processes, on a Ray cluster of each node; one run at a time each.",
+    )
+    executor: Literal["local", "ray"] = Field(
+        default="local",
+        description="Where runs are performed: local: on this machine; ray: on the nodes of a Ray "
+        "cluster, with the extra `cluster`.",
+    )
+    ray_address: str = Field(
+        default="auto",
+        description="Address of the Ray cluster, HOST:PORT; auto: the one that this machine "
+        "belongs to.",
     )
     runs_per_worker: int = Field(
         default=2000, ge=1, description="Runs after which a worker process is replaced."
@@ -148,6 +158,11 @@ class Settings(BaseSettings):
     def resolved_database_url(self) -> str:
         """The database's address, with the default filled in."""
         return self.database_url or f"sqlite:///{self.data_dir.resolve() / 'drivora.sqlite3'}"
+
+    @property
+    def workers_per_node(self) -> int | None:
+        """Worker processes of each node of a Ray cluster; ``None``: one a CPU of the node."""
+        return self.workers if "workers" in self.model_fields_set else None
 
     @property
     def traces_dir(self) -> Path:

@@ -1,12 +1,15 @@
-"""The set-up and the limits of workers from the settings."""
+"""The executor, and the set-up and the limits of its workers, from the settings."""
 
 from __future__ import annotations
 
 import stat
+from pathlib import Path
 
 from drivora_service.agents.remote.confinement import Confinement, account
 from drivora_service.errors import ConfigurationError
+from drivora_service.execution.executor import Executor
 from drivora_service.execution.executor import Limits as RunLimits
+from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.oracles.laws.sources import law_sources
 from drivora_service.settings import Settings
@@ -56,4 +59,45 @@ def run_limits(settings: Settings) -> RunLimits:
         agent_deadline_s=settings.agent_deadline_s,
         memory_bytes=settings.memory_limit_mb << 20,
         runs_per_worker=settings.runs_per_worker,
+    )
+
+
+def with_shared_paths(settings: Settings) -> Settings:
+    """Returns the settings with a data folder that other machines find, if there are any."""
+    if settings.executor == "local":
+        return settings
+    return settings.model_copy(update={"data_dir": settings.data_dir.resolve()})
+
+
+def start_executor(
+    settings: Settings, *, slots: int, folder: Path, shared_folder: Path | None = None
+) -> Executor:
+    """Starts the executor that the settings name; the caller closes it.
+
+    Args:
+        settings: Settings of the installation.
+        slots: Worker processes on this machine; the nodes of a cluster have their own numbers.
+        folder: For logs.
+        shared_folder: Folder that the nodes of a cluster share, for the logs of their workers;
+            ``None``: they keep no logs.
+
+    Raises:
+        ConfigurationError: The executor cannot be used.
+    """
+    if settings.executor == "local":
+        return LocalExecutor(
+            slots=slots,
+            setup=worker_setup(settings),
+            folder=folder,
+            limits=run_limits(settings),
+        )
+    from drivora_service.execution.ray.executor import RayExecutor
+
+    return RayExecutor(
+        address=settings.ray_address,
+        setup=worker_setup(settings),
+        folder=folder,
+        node_folder=shared_folder,
+        slots_per_node=settings.workers_per_node,
+        limits=run_limits(settings),
     )

@@ -17,6 +17,7 @@ from drivora_service.execution.fork_server import ENVIRONMENT
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.store.database import open_database
 from drivora_service.worker.integrity import judging_code
+from tests.execution.ray_cluster import Cluster, ray_cluster
 from tests.forked_service import forked_service
 from tests.postgresql_server import PostgresqlServer, postgresql_server
 
@@ -150,6 +151,13 @@ def postgresql() -> Iterator[PostgresqlServer]:
     """A PostgreSQL server of this process of the tests, started when it is first needed."""
     with postgresql_server() as server:
         yield server
+
+
+@pytest.fixture(scope="session")
+def ray_nodes() -> Iterator[Cluster]:
+    """A Ray cluster of this process of the tests, with two nodes of one CPU each."""
+    with ray_cluster(1, 1) as cluster:
+        yield cluster
 
 
 @pytest.fixture(scope="session")

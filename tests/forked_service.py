@@ -25,9 +25,9 @@ _STOP_S = 20.0
 
 
 @contextmanager
-def forked_service(data_dir: Path, *, workers: int) -> Iterator[str]:
+def forked_service(data_dir: Path, *options: str, workers: int) -> Iterator[str]:
     """Yields the address of a service on a free port, which is interrupted at the end."""
-    begun = begin_service(data_dir, workers=workers)
+    begun = begin_service(data_dir, *options, workers=workers)
     try:
         yield wait_until_ready(begun, data_dir)
     finally:
@@ -49,14 +49,21 @@ def killed_service(data_dir: Path, *, port: int = 0) -> Iterator[tuple[Begun, st
         begun.kill()
 
 
-def begin_service(data_dir: Path, *, workers: int, port: int = 0) -> Begun:
+def begin_service(data_dir: Path, *options: str, workers: int, port: int = 0) -> Begun:
     """Begins a service, and does not wait until it is ready."""
     data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
     _announcement(data_dir).unlink(missing_ok=True)
     log = data_dir / "service.log"
-    options = ("--data-dir", data_dir, "--workers", str(workers), "--host", "127.0.0.1")
+    usual: tuple[str | Path, ...] = (
+        "--data-dir",
+        data_dir,
+        "--workers",
+        str(workers),
+        "--host",
+        "127.0.0.1",
+    )
     return begin(
-        *("serve", *options, "--port", str(port)),
+        *("serve", *usual, *options, "--port", str(port)),
         folder=data_dir,
         environment={**os.environ, "DRIVORA_DRAIN_S": "0"},
         out=log,

@@ -55,6 +55,8 @@ def connected(
     makes_data: bool = False,
     workers: int | None = None,
     evaluator: str = "",
+    executor: str | None = None,
+    ray_address: str | None = None,
     on_error: Callable[[BaseException], None] = lambda _error: None,
 ) -> Iterator[Client]:
     """Opens a client, and closes it at the end; runs in this process end with it.
@@ -68,6 +70,8 @@ def connected(
         makes_data: Whether data folder and database are made if they do not exist.
         workers: Worker processes in this process.
         evaluator: Evaluator of campaigns in this process.
+        executor: Where this process performs runs; ``None``: as the environment says.
+        ray_address: Address of the Ray cluster; ``None``: as the environment says.
         on_error: Called with the error that stopped a campaign in this process.
 
     Raises:
@@ -75,12 +79,13 @@ def connected(
     """
     if server:
         _refuse_local_options(data_dir, workers, evaluator)
+        _refuse_executor(executor, ray_address)
     # Nearly all objects of a command's start live to its end, and each collection visits them.
     gc.set_threshold(_NEW_OBJECTS)
     from drivora_service.cli.installation import settings_for
     from drivora_service.logs import configure_logs
 
-    settings = settings_for(data_dir, workers=workers)
+    settings = settings_for(data_dir, workers=workers, executor=executor, ray_address=ray_address)
     # What is no fault is of no use beside the results, unless it is asked for.
     is_asked = "log_level" in settings.model_fields_set
     configure_logs(form=settings.log_format, level=settings.log_level if is_asked else "error")
@@ -115,7 +120,7 @@ def _in_process(
     evaluator: str,
     on_error: Callable[[BaseException], None],
 ) -> Iterator[Client]:
-    if works:
+    if works and settings.executor == "local":
         from drivora_service.execution.fork_server import prepare_processes
 
         # Processes start while this one reads and checks the documents.
@@ -146,6 +151,14 @@ def _refuse_local_options(data_dir: Path | None, workers: int | None, evaluator:
             f"--workers and --evaluator are for work in this process, and {_server_source()}; a "
             "service has its own workers, and a campaign may want fewer of them (`workers` in its "
             "file). Leave them out, or give --server '' to work here"
+        )
+
+
+def _refuse_executor(executor: str | None, ray_address: str | None) -> None:
+    if executor is not None or ray_address is not None:
+        raise ConfigurationError(
+            f"--executor and --ray-address are for work in this process, and {_server_source()}; "
+            "a service has an executor of its own. Leave them out, or give --server '' to work here"
         )
 
 

@@ -53,7 +53,28 @@ GateOracleOption = Annotated[
 ]
 WorkersOption = Annotated[
     int | None,
-    typer.Option(min=1, help="Worker processes [default: one a core]; not with --server."),
+    typer.Option(
+        min=1,
+        help="Worker processes, on a Ray cluster of each node [default: one a core]; not with "
+        "--server.",
+    ),
+]
+ExecutorOption = Annotated[
+    str | None,
+    typer.Option(
+        "--executor",
+        metavar="NAME",
+        help="Where runs are performed: local, or ray, the nodes of a Ray cluster "
+        "[default: local].",
+    ),
+]
+RayAddressOption = Annotated[
+    str | None,
+    typer.Option(
+        "--ray-address",
+        metavar="ADDRESS",
+        help="The Ray cluster, HOST:PORT [default: auto, the one that this machine belongs to].",
+    ),
 ]
 
 

@@ -78,7 +78,7 @@ class Dispatcher:
         self._unwritten: list[AttemptEnd] = []
         self._withdrawn: set[str] = set()
         self._faults = FaultLog(_log)
-        self._pace = Pace(executor.capacity)
+        self._pace = Pace()
         self._next_write = 0.0
         self._beats, self._looks = Interval(_HEARTBEAT_S), Interval(_POLL_S)
         self._to_cancel: set[str] = set()
@@ -191,7 +191,7 @@ class Dispatcher:
         """Returns how many runs may be claimed now if ``ended`` of those in flight have ended."""
         if self._stopping.is_set() or self._executor.fault or self._infrastructure.fault:
             return 0
-        return self._pace.wanted_in_flight() - len(self._in_flight) + ended
+        return self._pace.wanted_in_flight(self._executor.capacity) - len(self._in_flight) + ended
 
     def _has_room_and_work(self) -> bool:
         if self._room() <= 0:

@@ -43,7 +43,10 @@ class Executor(Protocol):
 
     @property
     def capacity(self) -> int:
-        """Number of slots: attempts that can run at once."""
+        """Number of slots: attempts that can run at once; at least 1.
+
+        It may change: machines join and leave.
+        """
         ...
 
     @property

@@ -16,8 +16,7 @@ class Pace:
     between two transactions, and no more, since an urgent run waits for those.
     """
 
-    def __init__(self, slots: int) -> None:
-        self._slots = slots
+    def __init__(self) -> None:
         self._mean_s: float | None = None
 
     def note(self, seconds: float) -> None:
@@ -27,9 +26,9 @@ class Pace:
         else:
             self._mean_s += _WEIGHT * (seconds - self._mean_s)
 
-    def wanted_in_flight(self) -> int:
-        """Returns how many runs should be running or claimed."""
+    def wanted_in_flight(self, slots: int) -> int:
+        """Returns how many runs should be running or claimed for so many slots."""
         if self._mean_s is None:
-            return 2 * self._slots
+            return 2 * slots
         ahead = math.ceil(_AHEAD_S / max(self._mean_s, 1e-3))
-        return self._slots * (1 + min(max(ahead, 1), _MOST_A_SLOT))
+        return slots * (1 + min(max(ahead, 1), _MOST_A_SLOT))

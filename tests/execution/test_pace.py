@@ -10,16 +10,16 @@ from drivora_service.execution.pace import Pace
 def test_every_slot_has_a_next_run_and_urgent_ones_wait_for_few(
     slots: int, seconds: list[float]
 ) -> None:
-    pace = Pace(slots)
+    pace = Pace()
     for duration in seconds:
         pace.note(duration)
-    assert 2 * slots <= pace.wanted_in_flight() <= 17 * slots
+    assert 2 * slots <= pace.wanted_in_flight(slots) <= 17 * slots
 
 
 def test_short_runs_are_held_ready_in_number_and_long_ones_are_not() -> None:
-    short, long = Pace(2), Pace(2)
+    short, long = Pace(), Pace()
     for _ in range(50):
         short.note(0.1)
         long.note(20.0)
-    assert short.wanted_in_flight() == 18
-    assert long.wanted_in_flight() == 4
+    assert short.wanted_in_flight(2) == 18
+    assert long.wanted_in_flight(2) == 4

@@ -62,26 +62,6 @@ def test_runs_stop_at_once_with_the_reason(tmp_path: Path) -> None:
     assert "OSError: a worker needs can-start" in str(stopped.value)
 
 
-def test_runs_wait_until_a_worker_can_start(tmp_path: Path) -> None:
-    with workers(tmp_path) as executor:
-        executor.submit(specs(1)[0])
-        wait_for_fault(executor)
-        assert executor.slots()[0].run_id == ""
-        (tmp_path / "can-start").touch()
-        (report,) = (end.report for end in executor.wait(0) or executor.wait(60))
-        assert report.status is RunStatus.FINISHED
-        assert executor.fault == ""
-
-
-def test_runs_that_wait_for_a_worker_can_be_cancelled(tmp_path: Path) -> None:
-    with workers(tmp_path) as executor:
-        executor.submit(specs(1)[0])
-        wait_for_fault(executor)
-        executor.cancel("run-0")
-        ends = executor.wait(0) or executor.wait(10)
-        assert [end.report.status for end in ends] == [RunStatus.CANCELLED]
-
-
 def test_what_cannot_be_imported_is_named(tmp_path: Path) -> None:
     with workers(tmp_path, warm_up="nowhere.at.all:warm_up") as executor:
         assert "nowhere" in wait_for_fault(executor)

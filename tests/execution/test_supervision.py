@@ -175,23 +175,6 @@ def test_a_fault_in_the_sink_does_not_end_the_slot(
     assert "none left" in "".join(capfd.readouterr())
 
 
-def test_each_cancel_meets_its_own_run(executor: LocalExecutor) -> None:
-    """Cancels are sent at any moment of a run: none may be lost or affect the next run."""
-    cancelled = set(range(0, 24, 3))
-    statuses: dict[int, RunStatus] = {}
-    for number in range(24):
-        document = "hangs" if number in cancelled else "sleep 0.001"
-        executor.submit(RunSpec(run_id=str(number), document=document))
-        # The one before may be at its very end: a cancel for it must not touch this one.
-        executor.cancel(str(number - 1))
-        if number in cancelled:
-            time.sleep(0.0007 * (number % 8))
-            executor.cancel(str(number))
-        (end,) = ends_of(executor, 1, within=10.0)
-        statuses[int(end.report.run_id)] = end.report.status
-    assert {n for n, status in statuses.items() if status is RunStatus.CANCELLED} == cancelled
-
-
 def test_a_cancel_between_queue_and_slot_is_kept(
     executor: LocalExecutor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -204,18 +187,3 @@ def test_a_cancel_between_queue_and_slot_is_kept(
 
     monkeypatch.setattr(slot, "_attempt", late)
     assert run(executor, "hangs").report.status is RunStatus.CANCELLED
-
-
-def test_ends_are_waited_for_in_number(executor: LocalExecutor) -> None:
-    for number in range(3):
-        executor.submit(RunSpec(run_id=str(number), document="sleep 0.05"))
-    assert [end.report.run_id for end in executor.wait(30.0, count=3)] == ["0", "1", "2"]
-    executor.submit(RunSpec(run_id="3", document="sleep 0"))
-    # Fewer than wanted come after the time, or when the executor is woken.
-    assert len(executor.wait(2.0, count=2)) == 1
-    timer = threading.Timer(0.2, executor.wake)
-    timer.start()
-    begun = time.monotonic()
-    assert executor.wait(30.0, count=2) == ()
-    assert time.monotonic() - begun < 15.0
-    timer.join()

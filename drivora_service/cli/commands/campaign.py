@@ -13,7 +13,14 @@ from drivora_service.cli.commands.campaign_export import export
 from drivora_service.cli.commands.campaign_presets import presets
 from drivora_service.cli.connection import connected
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.cli.options import DataDirOption, GateOracleOption, ServerOption, location
+from drivora_service.cli.options import (
+    DataDirOption,
+    ExecutorOption,
+    GateOracleOption,
+    RayAddressOption,
+    ServerOption,
+    location,
+)
 from drivora_service.cli.out_option import check_file, check_folder
 from drivora_service.cli.output import JsonOption, fail, note, print_json, print_shape, write_text
 from drivora_service.cli.running_errors import say_error
@@ -33,7 +40,8 @@ WorkersOption = Annotated[
     int | None,
     typer.Option(
         min=1,
-        help="Worker processes [default: as the campaign says, or one a core]; not with --server.",
+        help="Worker processes, on a Ray cluster of each node [default: as the campaign says, or "
+        "one a core]; not with --server.",
     ),
 ]
 EvaluatorOption = Annotated[
@@ -63,6 +71,8 @@ def run(
     workers: WorkersOption = None,
     out: OutOption = None,
     evaluator: EvaluatorOption = "",
+    executor: ExecutorOption = None,
+    ray_address: RayAddressOption = None,
     gate: GateOption = False,
     gate_oracle: GateOracleOption = None,
     detach: DetachOption = False,
@@ -83,6 +93,8 @@ def run(
         makes_data=True,
         workers=workers,
         evaluator=evaluator,
+        executor=executor,
+        ray_address=ray_address,
         on_error=say_error,
     ) as client:
         import json
@@ -114,6 +126,8 @@ def resume(
     workers: WorkersOption = None,
     out: OutOption = None,
     evaluator: EvaluatorOption = "",
+    executor: ExecutorOption = None,
+    ray_address: RayAddressOption = None,
     gate: GateOption = False,
     gate_oracle: GateOracleOption = None,
     detach: DetachOption = False,
@@ -130,6 +144,8 @@ def resume(
         works=True,
         workers=workers,
         evaluator=evaluator,
+        executor=executor,
+        ray_address=ray_address,
         on_error=say_error,
     ) as client:
         document = client.campaign(campaign_id).document

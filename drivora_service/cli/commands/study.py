@@ -12,6 +12,8 @@ from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.options import (
     DataDirOption,
     EqualTimeOption,
+    ExecutorOption,
+    RayAddressOption,
     ServerOption,
     WorkersOption,
     location,
@@ -39,6 +41,8 @@ DetachOption = Annotated[
 def run(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A study, as YAML or JSON.")],
     workers: WorkersOption = None,
+    executor: ExecutorOption = None,
+    ray_address: RayAddressOption = None,
     detach: DetachOption = False,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
@@ -50,7 +54,14 @@ def run(
     """
     _refuse_detaching(detach, server)
     with connected(
-        server, data_dir, works=True, makes_data=True, workers=workers, on_error=ErrorPrinter()
+        server,
+        data_dir,
+        works=True,
+        makes_data=True,
+        workers=workers,
+        executor=executor,
+        ray_address=ray_address,
+        on_error=ErrorPrinter(),
     ) as client:
         study = _posted(client, file)
         for remark in study.notes:
@@ -63,6 +74,8 @@ def run(
 def resume(
     study_id: IdArgument,
     workers: WorkersOption = None,
+    executor: ExecutorOption = None,
+    ray_address: RayAddressOption = None,
     detach: DetachOption = False,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
@@ -71,7 +84,13 @@ def resume(
     """Resumes a study that was paused, failed or killed, as if it had not been interrupted."""
     _refuse_detaching(detach, server)
     with connected(
-        server, data_dir, works=True, workers=workers, on_error=ErrorPrinter()
+        server,
+        data_dir,
+        works=True,
+        workers=workers,
+        executor=executor,
+        ray_address=ray_address,
+        on_error=ErrorPrinter(),
     ) as client:
         study = client.resume_study(study_id)
         _finish(client, study, server, data_dir, detach=detach, as_json=as_json)

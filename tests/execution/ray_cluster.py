@@ -1,0 +1,126 @@
+"""A real Ray cluster on this machine: each node has processes of its own.
+
+It is in a process of its own, so that the tests themselves do not load Ray.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+_ROOT = Path(__file__).resolve().parents[2]
+_END_S = 60.0
+
+ENVIRONMENT = {
+    "RAY_USAGE_STATS_ENABLED": "0",
+    # Else Ray lets its processes, and so the workers, give way to all others of the machine.
+    "RAY_worker_niceness": "0",
+    # The memory of this machine is used by others, too: no process is ended for it.
+    "RAY_memory_monitor_refresh_ms": "0",
+    # A node that was killed is noticed in seconds.
+    "RAY_health_check_initial_delay_ms": "1000",
+    "RAY_health_check_period_ms": "1000",
+    "RAY_health_check_failure_threshold": "20",
+}
+
+
+class Cluster:
+    """A cluster that runs.
+
+    Attributes:
+        address: Its address, once it has begun.
+        nodes: Ids of the nodes with which it has begun.
+    """
+
+    def __init__(self, process: subprocess.Popen[str]) -> None:
+        self._process = process
+        self.address = ""
+        self.nodes: list[str] = []
+
+    def begin(self) -> None:
+        """Waits until the cluster has its first node."""
+        self.address = self._read()
+
+    def add(self, cpus: int) -> str:
+        """Adds a node; returns its id."""
+        return self._ask(f"add {cpus}")
+
+    def kill(self, node: str) -> None:
+        """Kills a node with all its processes."""
+        self._ask(f"kill {node}")
+
+    def end(self) -> None:
+        """Ends the cluster with all its nodes."""
+        with contextlib.suppress(OSError, ValueError):
+            self._process.communicate("", timeout=_END_S)
+        self._process.kill()
+        self._process.wait()
+
+    def _ask(self, command: str) -> str:
+        assert self._process.stdin is not None
+        self._process.stdin.write(f"{command}\n")
+        self._process.stdin.flush()
+        return self._read()
+
+    def _read(self) -> str:
+        assert self._process.stdout is not None
+        answer = self._process.stdout.readline()
+        assert answer.startswith("> "), answer
+        return answer.removeprefix("> ").strip()
+
+
+@contextmanager
+def ray_cluster(*cpus: int) -> Iterator[Cluster]:
+    """Yields a cluster of a head node without CPUs and of a node for each number of them."""
+    # Sockets have short paths.
+    with tempfile.TemporaryDirectory(prefix="ray-", ignore_cleanup_errors=True) as folder:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "tests.execution.ray_cluster"],
+            cwd=_ROOT,
+            env={**os.environ, **ENVIRONMENT, "RAY_TMPDIR": folder, "PYTHONPATH": str(_ROOT)},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        cluster = Cluster(process)
+        try:
+            cluster.begin()
+            cluster.nodes += [cluster.add(number) for number in cpus]
+            yield cluster
+        finally:
+            cluster.end()
+
+
+def main() -> None:
+    """Starts a cluster, obeys commands, and ends it when there are no more."""
+    from ray.cluster_utils import Cluster as RayCluster
+
+    arguments = {"num_gpus": 0, "object_store_memory": 80 << 20, "include_dashboard": False}
+    answers = os.fdopen(os.dup(1), "w")
+    # Ray prints what nobody reads.
+    os.dup2(2, 1)
+    cluster: Any = RayCluster(initialize_head=True, head_node_args={"num_cpus": 0, **arguments})
+    nodes = {cluster.head_node.node_id: cluster.head_node}
+    print(f"> {cluster.address}", file=answers, flush=True)
+    for line in sys.stdin:
+        command, argument = line.split()
+        answer = "done"
+        if command == "add":
+            node = cluster.add_node(num_cpus=int(argument), **arguments)
+            nodes[node.node_id] = node
+            answer = str(node.node_id)
+        else:
+            cluster.remove_node(nodes.pop(argument), allow_graceful=False)
+        print(f"> {answer}", file=answers, flush=True)
+    cluster.shutdown()
+
+
+if __name__ == "__main__":
+    main()
