@@ -1,7 +1,8 @@
 """The system libraries that libsumo links and its wheel does not contain.
 
-``make install`` runs this module: it checks that libsumo can be loaded, installs missing libraries
-if it is allowed to, and else prints the command to run. Workers use :func:`explain` in reports.
+``make install`` runs this module, and so do users of the wheel (``python -m``): it checks that
+libsumo can be loaded, installs missing libraries if it is allowed to, and else prints the command
+to run. Workers use :func:`explain` in reports.
 """
 
 from __future__ import annotations
@@ -115,7 +116,9 @@ def main() -> int:
     todo = remedy(missing, path=None, is_root=os.geteuid() == 0)
     print(f"libsumo needs libraries that are missing here: {', '.join(missing)}", file=sys.stderr)
     if not todo.allowed:
-        print(f"Install them, then run `make install` again:\n  {todo.line}", file=sys.stderr)
+        print(
+            f"Install them, then run this or `make install` again:\n  {todo.line}", file=sys.stderr
+        )
         return 1
     print(f"Installing them: {todo.line}", file=sys.stderr, flush=True)
     environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
@@ -124,7 +127,7 @@ def main() -> int:
         if done.returncode:
             print(
                 f"`{shlex.join(command)}` ended with {done.returncode}. Install the libraries, "
-                f"then run `make install` again:\n  {todo.line}",
+                f"then run this or `make install` again:\n  {todo.line}",
                 file=sys.stderr,
             )
             return 1
@@ -134,7 +137,10 @@ def main() -> int:
     return 1 if error else 0
 
 
-_AGAIN = "install libsumo again: remove .venv, then run `make install`"
+_AGAIN = (
+    "install libsumo again: `pip install --force-reinstall --no-deps libsumo`; in a checkout "
+    "remove .venv, then run `make install`"
+)
 
 
 def _loads(library: str) -> bool:

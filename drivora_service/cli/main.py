@@ -14,6 +14,7 @@ from drivora_service.cli.commands import (
     campaign,
     compare,
     demo,
+    examples,
     export,
     failures,
     laws,
@@ -84,6 +85,7 @@ app.command("replay", epilog=EPILOG)(replay.replay)
 app.command("export", epilog=EPILOG)(export.export)
 app.command("schema", epilog=EPILOG)(schema.schema)
 app.command("demo", epilog=EPILOG)(demo.demo)
+app.command("examples", epilog=EPILOG)(examples.examples)
 app.add_typer(runs.app, name="runs", epilog=EPILOG)
 app.add_typer(campaign.app, name="campaign", epilog=EPILOG)
 app.add_typer(study.app, name="study", epilog=EPILOG)

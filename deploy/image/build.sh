@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# Builds the image of the Dockerfile with buildah (no daemon, no root needed) or docker.
+#   usage: build.sh [--tag NAME] [OPTION OF `buildah build` OR `docker build` …]
+# BASE names the base image. Without it, that of the Dockerfile is used where it can be pulled;
+# elsewhere buildah makes a base from Debian's packages, by debootstrap, which needs root.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+tag=drivora
+if [ "${1:-}" = --tag ]; then tag=${2:?--tag needs a name}; shift 2; fi
+
+if command -v buildah > /dev/null; then
+  engine=buildah
+elif command -v docker > /dev/null && docker info > /dev/null 2>&1; then
+  engine=docker
+else
+  echo "no image was built: neither buildah nor a running docker is here" >&2
+  exit 3
+fi
+
+# A base of Debian's own packages, made once.
+debian_base() {
+  local made=localhost/drivora-base:bookworm folder container
+  if ! buildah inspect --type image "$made" > /dev/null 2>&1; then
+    command -v debootstrap > /dev/null && [ "$(id -u)" = 0 ] || {
+      echo "no image was built: $base cannot be pulled, and debootstrap (as root) is not here" >&2
+      exit 3
+    }
+    folder=$(mktemp -d)
+    debootstrap --variant=minbase --include=python3,python3-venv,ca-certificates \
+      bookworm "$folder" ${DEBIAN_MIRROR:+"$DEBIAN_MIRROR"} >&2 || {
+      echo "no image was built: debootstrap has failed" >&2
+      exit 3
+    }
+    rm -rf "$folder"/var/lib/apt/lists/* "$folder"/var/cache/apt/* "$folder"/var/log/* \
+      "$folder"/usr/share/doc/* "$folder"/usr/share/man/* "$folder"/usr/share/locale/*
+    container=$(buildah from scratch)
+    tar --directory "$folder" --exclude='./proc/*' --exclude='./sys/*' --exclude='./dev/*' \
+      --create --file "$folder.tar" .
+    buildah add --quiet "$container" "$folder.tar" / > /dev/null
+    buildah commit --quiet --rm "$container" "$made" > /dev/null
+    rm -rf "$folder" "$folder.tar"
+  fi
+  base=$made
+}
+
+if [ $engine = docker ]; then
+  exec docker build ${BASE:+--build-arg BASE="$BASE"} --tag "$tag" "$@" .
+fi
+base=${BASE:-$(sed -n 's/^ARG BASE=//p' Dockerfile)}
+[ -n "${BASE:-}" ] || buildah pull --quiet "$base" > /dev/null 2>&1 || debian_base
+options=(--isolation "${BUILDAH_ISOLATION:-chroot}")
+# Certificates that this machine trusts, so that registries are reached as from it.
+certificates=/etc/ssl/certs/ca-certificates.crt
+if [ -f $certificates ]; then
+  options+=(--volume "$certificates:/etc/ssl/certs/ca-certificates.crt:ro")
+  for name in PIP_CERT NODE_EXTRA_CA_CERTS; do options+=(--build-arg "$name=$certificates"); done
+fi
+# Of docker's form: the other has no health check.
+exec buildah build --format docker "${options[@]}" --build-arg BASE="$base" --tag "$tag" "$@" .

@@ -1,0 +1,309 @@
+#!/usr/bin/env python3
+"""Tries an image: tokens, time until it is ready, a batch that is judged, its size, its shutdown.
+
+Needs buildah (with containers in chroots, so that neither a daemon nor namespaces are needed) or
+docker, and no package. DRIVORA_DATABASE_URL has the service use a database of PostgreSQL::
+
+    deploy/image/smoke.py [--image drivora] [--most-mb 900] [--volume FOLDER:FOLDER]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+_EXAMPLES = Path(__file__).resolve().parents[2] / "openscenario_schemas" / "examples"
+_SCENARIOS = ("walker-behind-van", "wet-arterial")
+_KERNELS = "find /home/drivora/.cache/numba -name '*.nbc' | sort"
+_READY_S = 300.0
+_RUNS_S = 300.0
+_STOP_S = 90.0
+
+
+class Failed(Exception):
+    """The image does not do what it should."""
+
+
+class Buildah:
+    """A container of buildah; its processes run in a chroot, with the network of the host."""
+
+    def __init__(self, image: str, volumes: list[str]) -> None:
+        self.image = image
+        self._options = [f"--volume={volume}" for volume in volumes]
+        self._container = _output("buildah", "from", image)
+        config = json.loads(_output("buildah", "inspect", "--type", "image", image))
+        self._entrypoint = config["Docker"]["config"]["Entrypoint"]
+
+    def size_mb(self) -> float:
+        """Returns the size of the image as its layers are on the disk."""
+        mounted = Path(_output("buildah", "mount", self._container))
+        printed = _output("du", "--summarize", "--bytes", "--one-file-system", str(mounted))
+        return int(printed.split()[0]) / 1e6
+
+    def run(self, *command: str, **variables: str) -> str:
+        """Runs a command that ends, and returns what it printed."""
+        return _output(*self._command(variables), *command)
+
+    def drivora(self, *arguments: str) -> str:
+        """Runs the program of the image."""
+        return self.run(*self._entrypoint, *arguments)
+
+    @contextmanager
+    def serving(self, port: int, log: Path, **variables: str) -> Iterator[None]:
+        """Runs the service; ends it as a stop of the container does."""
+        command = self._command({**variables, "DRIVORA_PORT": str(port)})
+        with log.open("w") as target:
+            process = subprocess.Popen(
+                [*command, *self._entrypoint, "serve"], stdout=target, stderr=subprocess.STDOUT
+            )
+        try:
+            yield
+        finally:
+            # Only to the init of the container, which tells the service.
+            for pid in _descendants(process.pid):
+                if _name_of(pid) == self._entrypoint[0]:
+                    os.kill(pid, signal.SIGTERM)
+            code = _wait(process)
+        if code:
+            raise Failed(f"the service ended with {code}")
+
+    def remove(self) -> None:
+        """Removes the container."""
+        _output("buildah", "rm", self._container)
+
+    def _command(self, variables: dict[str, str]) -> list[str]:
+        given = [f"--env={name}={value}" for name, value in variables.items()]
+        isolation = f"--isolation={os.environ.get('BUILDAH_ISOLATION', 'chroot')}"
+        return ["buildah", "run", isolation, *self._options, *given, self._container, "--"]
+
+
+class Docker:
+    """A volume of docker and the containers on it."""
+
+    def __init__(self, image: str, volumes: list[str]) -> None:
+        self.image = image
+        self._volume = _output("docker", "volume", "create")
+        self._options = [f"--volume={volume}" for volume in (f"{self._volume}:/data", *volumes)]
+        self._service = ""
+
+    def size_mb(self) -> float:
+        """Returns the size of the image as its layers are on the disk."""
+        printed = _output("docker", "image", "inspect", "--format", "{{.Size}}", self.image)
+        return int(printed) / 1e6
+
+    def run(self, *command: str, **variables: str) -> str:
+        """Runs a command in the running service's container, or in a new one."""
+        if self._service:
+            return _output("docker", "exec", self._service, *command)
+        given = [f"--env={name}={value}" for name, value in variables.items()]
+        program, *arguments = command
+        return _output(
+            *("docker", "run", "--rm", *self._options, *given, f"--entrypoint={program}"),
+            *(self.image, *arguments),
+        )
+
+    def drivora(self, *arguments: str) -> str:
+        """Runs the program of the image."""
+        return _output("docker", "run", "--rm", *self._options, self.image, *arguments)
+
+    @contextmanager
+    def serving(self, port: int, log: Path, **variables: str) -> Iterator[None]:
+        """Runs the service; ends it as a stop of the container does."""
+        given = [f"--env={name}={value}" for name, value in variables.items()]
+        self._service = _output(
+            *("docker", "run", "--detach", *self._options, *given),
+            *(f"--publish=127.0.0.1:{port}:8000", self.image),
+        )
+        try:
+            yield
+        finally:
+            _output("docker", "stop", f"--time={_STOP_S:.0f}", self._service)
+            log.write_text(_output("docker", "logs", self._service))
+            template = "{{.State.ExitCode}}"
+            code = int(_output("docker", "inspect", "--format", template, self._service))
+            _output("docker", "rm", self._service)
+            self._service = ""
+        if code:
+            raise Failed(f"the service ended with {code}")
+
+    def remove(self) -> None:
+        """Removes the volume."""
+        _output("docker", "volume", "rm", self._volume)
+
+
+def main() -> int:
+    """Tries the image; returns the exit code."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--image", default="drivora")
+    parser.add_argument("--most-mb", type=float, default=900.0, help="largest size, 10^6 bytes")
+    parser.add_argument("--volume", action="append", default=[], help="FOLDER:FOLDER, also mounted")
+    options = parser.parse_args()
+    engine = Buildah if shutil.which("buildah") else Docker
+    container = engine(options.image, options.volume)
+    log = Path(f"smoke-{os.getpid()}.log").resolve()
+    try:
+        _try_image(container, options.most_mb, log)
+    except Failed as error:
+        print(f"smoke: FAILED: {error}", file=sys.stderr)
+        if log.is_file():
+            print(log.read_text(), file=sys.stderr)
+        return 1
+    finally:
+        log.unlink(missing_ok=True)
+        container.remove()
+    return 0
+
+
+def _try_image(container: Buildah | Docker, most_mb: float, log: Path) -> None:
+    size = container.size_mb()
+    print(f"smoke: {container.image} has {size:.0f} MB")
+    if size > most_mb:
+        raise Failed(f"the image has {size:.0f} MB, more than {most_mb:.0f}")
+    version, user = container.drivora("--version"), container.run("id", "--user")
+    print(f"smoke: drivora {version}, user {user}")
+    if user != "10001":
+        raise Failed(f"the image runs as the user {user}, not as 10001")
+    variables = {"DRIVORA_WORKERS": "2"}
+    if "DRIVORA_DATABASE_URL" in os.environ:
+        variables["DRIVORA_DATABASE_URL"] = os.environ["DRIVORA_DATABASE_URL"]
+        print("smoke: with a database of PostgreSQL")
+    token = json.loads(container.drivora("tokens", "create", "smoke", "--json"))["token"]
+    kernels = container.run("sh", "-c", _KERNELS)
+    port = _free_port()
+    url = f"http://127.0.0.1:{port}"
+    begun = time.monotonic()
+    with container.serving(port, log, **variables):
+        _wait_until_ready(url, begun + _READY_S)
+        print(f"smoke: ready after {time.monotonic() - begun:.1f} s")
+        if _status(f"{url}/api/v1/networks") != 401:
+            raise Failed("a request without a token is not refused with 401")
+        page = _get(url, "")
+        if b"<title>Drivora" not in page:
+            raise Failed("there is no page at /")
+        begun = time.monotonic()
+        for run in _judged(url, token):
+            verdicts = run["verdicts"]
+            violated = [one["oracle"] for one in verdicts if one["outcome"] == "violated"]
+            print(
+                f"smoke: {run['label']}: {run['status']}, {len(verdicts)} verdicts, violated: "
+                f"{', '.join(violated) or 'none'}"
+            )
+            if run["status"] != "finished" or not verdicts:
+                raise Failed(f"the run {run['label']} was not judged: {run}")
+        print(f"smoke: batch judged after {time.monotonic() - begun:.1f} s")
+        shipped = set(kernels.splitlines())
+        compiled = set(container.run("sh", "-c", _KERNELS).splitlines()) - shipped
+        print(f"smoke: {len(shipped)} kernels shipped, {len(compiled)} compiled anew")
+        if not shipped or compiled:
+            raise Failed(f"kernels were compiled anew: {sorted(compiled)}")
+    print("smoke: stopped cleanly")
+
+
+def _judged(url: str, token: str) -> list[dict[str, Any]]:
+    """Posts two scenarios and returns their runs."""
+    items = [
+        {"label": name, "scenario": json.loads((_EXAMPLES / f"{name}.json").read_text())}
+        for name in _SCENARIOS
+    ]
+    answer = json.loads(_get(f"{url}/api/v1/batches", token, json.dumps(items).encode()))
+    if answer["accepted"] != len(items):
+        raise Failed(f"the batch was refused: {answer}")
+    batch = answer["batch"]["id"]
+    ends = time.monotonic() + _RUNS_S
+    while time.monotonic() < ends:
+        runs = json.loads(_get(f"{url}/api/v1/runs?batch={batch}", token))["items"]
+        if all(run["status"] not in ("queued", "running") for run in runs):
+            return [json.loads(_get(f"{url}/api/v1/runs/{run['id']}", token)) for run in runs]
+        time.sleep(0.2)
+    raise Failed(f"the batch did not end within {_RUNS_S:.0f} s")
+
+
+def _get(url: str, token: str, body: bytes | None = None) -> bytes:
+    headers = {"Content-Type": "application/json"}
+    if token:
+        headers["Authorization"] = f"Bearer {token}"
+    request = urllib.request.Request(url, data=body, headers=headers)
+    try:
+        with urllib.request.urlopen(request, timeout=60) as answer:
+            content: bytes = answer.read()
+            return content
+    except urllib.error.HTTPError as error:
+        raise Failed(f"{url} answers {error.code}: {error.read().decode()}") from error
+
+
+def _status(url: str) -> int:
+    try:
+        with urllib.request.urlopen(url, timeout=60) as answer:
+            return int(answer.status)
+    except urllib.error.HTTPError as error:
+        return error.code
+
+
+def _wait_until_ready(url: str, ends: float) -> None:
+    while time.monotonic() < ends:
+        try:
+            if _status(f"{url}/readyz") == 200:
+                return
+        except OSError:
+            pass
+        time.sleep(0.1)
+    raise Failed("the service is not ready")
+
+
+def _wait(process: subprocess.Popen[bytes]) -> int:
+    try:
+        return process.wait(_STOP_S)
+    except subprocess.TimeoutExpired:
+        for pid in [*_descendants(process.pid), process.pid]:
+            os.kill(pid, signal.SIGKILL)
+        raise Failed("the service did not stop when it was asked to") from None
+
+
+def _descendants(pid: int) -> list[int]:
+    try:
+        threads = list(Path(f"/proc/{pid}/task").iterdir())
+        text = " ".join((thread / "children").read_text() for thread in threads)
+    except OSError:
+        return []
+    found = []
+    for child in map(int, text.split()):
+        found += [child, *_descendants(child)]
+    return found
+
+
+def _name_of(pid: int) -> str:
+    try:
+        return Path(f"/proc/{pid}/comm").read_text().strip()
+    except OSError:
+        return ""
+
+
+def _output(*command: str) -> str:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise Failed(f"`{' '.join(command[:6])} …` ended with {done.returncode}: {done.stderr}")
+    return done.stdout.strip()
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+    return port
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,166 @@
+"""The wheel is the whole product: installed into an empty environment, used without a checkout."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+import zipfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import httpx
+import pytest
+
+_TIME_LIMIT_S = 600.0
+_KEPT = ("LANG", "LD_LIBRARY_PATH", "PATH", "SSL_CERT_FILE", "UV_CACHE_DIR", "UV_INDEX_URL")
+
+
+@dataclass(frozen=True)
+class Installation:
+    """An environment with the wheel in it, and an empty folder to work in."""
+
+    environment: Path
+    folder: Path
+    variables: Mapping[str, str]
+
+    @property
+    def drivora(self) -> str:
+        """The command."""
+        return str(self.environment / "bin" / "drivora")
+
+    def run(self, *arguments: str) -> str:
+        """Runs a command of Drivora and returns what it printed."""
+        done = subprocess.run(
+            [self.drivora, *arguments],
+            cwd=self.folder,
+            env=self.variables,
+            capture_output=True,
+            text=True,
+            timeout=_TIME_LIMIT_S,
+            check=False,
+        )
+        assert done.returncode == 0, f"{arguments}\n{done.stdout}\n{done.stderr}"
+        return done.stdout
+
+    @contextmanager
+    def serving(self) -> Iterator[str]:
+        """Starts a service and yields its address when it is ready."""
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        url = f"http://127.0.0.1:{port}"
+        log = self.folder / "service.log"
+        with log.open("w") as target:
+            process = subprocess.Popen(
+                [self.drivora, "serve", "--port", str(port), "--workers", "1"],
+                cwd=self.folder,
+                env=self.variables,
+                stdout=target,
+                stderr=subprocess.STDOUT,
+            )
+        try:
+            _wait_until_ready(url, process, log)
+            yield url
+        finally:
+            process.send_signal(signal.SIGTERM)
+            assert process.wait(_TIME_LIMIT_S) == 0
+
+
+@pytest.fixture(scope="module")
+def installation(
+    wheel: Path, repository: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Installation:
+    """What the metadata of the wheel asks for, in the pinned versions, from the registry."""
+    root = tmp_path_factory.mktemp("user")
+    environment, folder, home = root / "environment", root / "work", root / "home"
+    folder.mkdir()
+    home.mkdir()
+    uv = [sys.executable, "-m", "uv"]
+    subprocess.run([*uv, "venv", "--quiet", "--python", sys.executable, environment], check=True)
+    pinned = repository / "requirements" / "image.txt"
+    subprocess.run(
+        [
+            *(*uv, "pip", "install", "--quiet", "--python", environment / "bin" / "python"),
+            *("--constraints", pinned, f"drivora[postgresql] @ {wheel.as_uri()}"),
+        ],
+        check=True,
+        cwd=folder,
+    )
+    variables = {name: os.environ[name] for name in _KEPT if name in os.environ}
+    paths = variables["PATH"].split(os.pathsep)
+    variables["PATH"] = os.pathsep.join(path for path in paths if ".venv" not in path)
+    return Installation(environment, folder, {**variables, "HOME": str(home)})
+
+
+@pytest.mark.slow(seconds=10)
+def test_the_wheel_has_all_data(wheel: Path, repository: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        names = set(archive.namelist())
+    shipped = {
+        f"drivora_service/_data/{path.relative_to(repository).as_posix()}"
+        for folder in ("sumo_nets", "openscenario_schemas")
+        for path in (repository / folder).rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    assert shipped <= names
+    assert "drivora_service/dashboard/built/index.html" in names
+    assert not [name for name in names if name.startswith(("tests/", "benchmarks/"))]
+    assert not [name for name in names if name.startswith("drivora_service/dashboard/web/")]
+
+
+@pytest.mark.slow(seconds=150)
+def test_a_user_needs_no_checkout(installation: Installation, repository: Path) -> None:
+    assert re.fullmatch(r"\d+\.\d+\.\d+\n", installation.run("--version"))
+    # Nothing is found in the checkout, not even by accident.
+    where = subprocess.run(
+        [installation.environment / "bin" / "python", "-c", "import drivora_service as d;"
+         "print(d.__path__[0])"],
+        capture_output=True, text=True, check=True, cwd=installation.folder,
+        env=installation.variables,
+    ).stdout  # fmt: skip
+    assert not Path(where.strip()).is_relative_to(repository)
+
+    installation.run("examples", "--out", "examples")
+    printed = installation.run(
+        "run", "examples/walker-behind-van.json", "--out", "results", "--json"
+    )
+    run = json.loads(printed)
+    assert run["status"] == "finished"
+    assert run["verdicts"]
+    assert (installation.folder / "results" / "walker-behind-van.trace.parquet").is_file()
+    assert "smoke" in installation.run("suite", "list", "smoke")
+
+    demo = installation.run("demo", "--num", "2", "--simulations", "40")
+    assert "2 of 2 runs judged" in demo
+
+    with installation.serving() as url:
+        page = httpx.get(url)
+        assert page.is_success
+        assert "<title>Drivora" in page.text
+        parts = re.findall(r'(?:src|href)="(/[^"]+\.(?:js|css))"', page.text)
+        assert parts
+        for part in parts:
+            assert httpx.get(f"{url}{part}").is_success
+        listed = httpx.get(f"{url}/api/v1/networks").json()["items"]
+        assert {"tee-town", "grid-district"} & {one["name"] for one in listed}
+
+
+def _wait_until_ready(url: str, process: subprocess.Popen[bytes], log: Path) -> None:
+    ends = time.monotonic() + _TIME_LIMIT_S
+    while time.monotonic() < ends:
+        assert process.poll() is None, log.read_text()
+        try:
+            if httpx.get(f"{url}/readyz", timeout=30).is_success:
+                return
+        except httpx.TransportError:
+            pass
+        time.sleep(0.2)
+    raise AssertionError(log.read_text())
