@@ -88,8 +88,9 @@ def installation(
     pinned = repository / "requirements" / "image.txt"
     subprocess.run(
         [
-            *(*uv, "pip", "install", "--quiet", "--python", environment / "bin" / "python"),
-            *("--constraints", pinned, f"drivora[postgresql] @ {wheel.as_uri()}"),
+            *(*uv, "pip", "install", "--quiet"),
+            *("--python", str(environment / "bin" / "python"), "--constraints", str(pinned)),
+            f"drivora[postgresql] @ {wheel.as_uri()}",
         ],
         check=True,
         cwd=folder,
