@@ -37,7 +37,7 @@ def assert_usable(executor: Executor) -> None:
 
 def pid_of(executor: Executor, run_id: str) -> int:
     """Waits until a run is running and returns its process."""
-    limit = time.monotonic() + 30
+    limit = time.monotonic() + 60
     while time.monotonic() < limit:
         for slot in executor.slots():
             if slot.run_id == run_id and slot.phase == "simulating" and slot.pid is not None:

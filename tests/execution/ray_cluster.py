@@ -24,6 +24,8 @@ ENVIRONMENT = {
     "RAY_worker_niceness": "0",
     # The memory of this machine is used by others, too: no process is ended for it.
     "RAY_memory_monitor_refresh_ms": "0",
+    # Of a machine that is busy with other tests.
+    "RAY_raylet_start_wait_time_s": "180",
     # A node that was killed is noticed in seconds.
     "RAY_health_check_initial_delay_ms": "1000",
     "RAY_health_check_period_ms": "1000",

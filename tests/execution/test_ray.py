@@ -170,6 +170,7 @@ def test_without_a_node_runs_wait_and_there_is_a_fault(tmp_path: Path) -> None:
 
 def test_a_cluster_that_ends_is_a_fault_and_not_a_hang(tmp_path: Path) -> None:
     with ray_cluster(1) as cluster, of_tasks(cluster.address, tmp_path) as executor:
+        until(executor.slots)
         executor.submit(RunSpec(run_id="running", document="hangs"))
         pid_of(executor, "running")
         executor.submit(RunSpec(run_id="waiting", document="hangs"))
@@ -199,8 +200,10 @@ def test_an_address_without_a_cluster_is_a_fault(
 
 def test_a_service_runs_a_batch_on_the_nodes(ray_nodes: Cluster, tmp_path: Path) -> None:
     options = ("--executor", "ray", "--ray-address", ray_nodes.address)
-    with forked_service(tmp_path / "data", *options, workers=1) as url:
-        client = httpx.Client(base_url=f"{url}/api/v1", timeout=60.0)
+    with (
+        forked_service(tmp_path / "data", *options, workers=1) as url,
+        httpx.Client(base_url=f"{url}/api/v1", timeout=60.0) as client,
+    ):
         scenarios = [json.dumps({**SCENARIO, "seed": number}) for number in range(6)]
         answer = client.post(
             "/batches",
