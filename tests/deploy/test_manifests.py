@@ -154,7 +154,7 @@ def test_one_version_of_ray_is_named(deploy: Path) -> None:
 
 def test_shell_scripts_have_no_finding(deploy: Path) -> None:
     scripts = [*deploy.rglob("*.sh"), *deploy.rglob("*.sbatch")]
-    assert len(scripts) == 3
+    assert len(scripts) == 2
     for script in scripts:
         subprocess.run(["bash", "-n", str(script)], check=True)
     shellcheck = Path(sys.executable).parent / "shellcheck"
