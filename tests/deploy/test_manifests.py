@@ -215,6 +215,8 @@ def slurm(tmp_path: Path, deploy: Path) -> Iterator[dict[str, Any]]:
 def test_the_slurm_script_starts_a_cluster_and_a_campaign(
     slurm: dict[str, Any], deploy: Path, tmp_path: Path
 ) -> None:
+    # The other nodes are started meanwhile.
+    slurm["env"]["SECONDS_OF_WORK"] = "5"
     script = deploy / "slurm" / "drivora.sbatch"
     command = ["bash", str(script), "run", "c.yaml", "--out", "found"]
     done = subprocess.run(command, timeout=60, check=False, **slurm)
