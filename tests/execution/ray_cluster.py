@@ -106,7 +106,7 @@ def main() -> None:
 
     arguments = {"num_gpus": 0, "object_store_memory": 80 << 20, "include_dashboard": False}
     answers = os.fdopen(os.dup(1), "w")
-    # Ray prints what nobody reads.
+    # What Ray prints is not shown.
     os.dup2(2, 1)
     cluster: Any = RayCluster(initialize_head=True, head_node_args={"num_cpus": 0, **arguments})
     nodes = {cluster.head_node.node_id: cluster.head_node}
