@@ -4,14 +4,15 @@
     python -m benchmarks.method_tables FOLDER/figures.csv…
     python -m benchmarks.method_tables FOLDER/figures.csv… --measure avoidable
     python -m benchmarks.method_tables FOLDER/figures.csv… --twins
+    python -m benchmarks.method_tables FOLDER/figures.csv… --brief
     python -m benchmarks.method_tables FOLDER/figures.csv… --survival PICTURES
 
 The first table compares every method with random search by what its authors want of it, the second
 by a measure that is the same for all, the third each method with its twin without feedback, by its
 own target again. p is corrected by Holm: against random over all rows of the same measure, and
 against the twins over the places of a method. Campaigns of a study at equal time
-(`study compare --equal-time`) are read in the same way. The pictures are the survival curves of all
-methods but the twins.
+(`study compare --equal-time`) are read in the same way. With ``--brief`` a method is one row of any
+of these, and a place one column. The pictures are the survival curves of all methods but the twins.
 
 A study may have been run in parts, each with other repetitions (`seed` and `repetitions` in its
 file), or each on a machine of its own: the tables are those of all files together.
@@ -29,7 +30,12 @@ from pathlib import Path
 from pydantic import TypeAdapter
 
 from drivora_service.markdown_text import table
-from drivora_service.studies.comparison import Difference, compare_campaigns, measure
+from drivora_service.studies.comparison import (
+    SIGNIFICANT,
+    Difference,
+    compare_campaigns,
+    measure,
+)
 from drivora_service.studies.comparison_text import a12, value
 from drivora_service.studies.study_comparison import StudyFigures
 from drivora_service.studies.survival import survival_curves
@@ -142,6 +148,31 @@ def cells(row: Difference) -> tuple[str, ...]:
     )
 
 
+def brief(rows: Sequence[Difference]) -> list[tuple[str, ...]]:
+    """Returns the head and the rows of a table with a row a method and a column a place.
+
+    A cell has the median, that of the baseline, and A12. After the correction, a star marks a large
+    effect, a plus sign a smaller one, and a minus sign that the method is worse.
+    """
+    places = tuple(dict.fromkeys(row.scenario for row in rows))
+    cells = {(row.method, row.title, row.scenario): _brief_cell(row) for row in rows}
+    methods = dict.fromkeys((row.method, row.title) for row in rows)
+    return [
+        ("method", "by", *places),
+        *(
+            (method, title, *(cells.get((method, title, place), "") for place in places))
+            for method, title in methods
+        ),
+    ]
+
+
+def _brief_cell(row: Difference) -> str:
+    mark = ""
+    if row.p_holm < SIGNIFICANT:
+        mark = " -" if row.a12 < 0.5 else " *" if row.is_better else " +"
+    return f"{value(row.median)} : {value(row.baseline_median)}, {row.a12:.2f}{mark}"
+
+
 def draw_curves(figures: Sequence[StudyFigures], folder: Path) -> tuple[Path, ...]:
     """Draws the survival curves of all methods but the twins, into a folder that may be new."""
     shown = [one for one in figures if not one.method.endswith(_TWIN)]
@@ -155,6 +186,7 @@ def main(arguments: Sequence[str]) -> None:
     parser.add_argument("figures", nargs="+", type=Path, help="figures.csv of studies")
     parser.add_argument("--measure", default="", help="the same for all, not each one's target")
     parser.add_argument("--twins", action="store_true", help="against methods without feedback")
+    parser.add_argument("--brief", action="store_true", help="a row a method, a column a place")
     parser.add_argument("--survival", type=Path, help="folder for curves, in place of a table")
     options = parser.parse_args(arguments)
     figures = [one for path in options.figures for one in read(path)]
@@ -162,7 +194,8 @@ def main(arguments: Sequence[str]) -> None:
         print("\n".join(map(str, draw_curves(figures, options.survival))))
         return
     rows = (against_twins if options.twins else against_random)(figures, options.measure)
-    print("\n".join(table(COLUMNS, map(cells, rows))))
+    head, *body = brief(rows) if options.brief else (COLUMNS, *map(cells, rows))
+    print("\n".join(table(head, body)))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from benchmarks.method_tables import (
     OWN_TARGETS,
     against_random,
     against_twins,
+    brief,
     main,
     read,
 )
@@ -130,6 +132,18 @@ def test_one_measure_can_be_that_of_all() -> None:
     assert set(rows) == {"avfuzzer", "avfuzzer without feedback", "lawbreaker"}
     assert rows["lawbreaker"].a12 == 0.5
     assert rows["avfuzzer"].p_holm == pytest.approx(3 * rows["avfuzzer"].p)
+
+
+def test_a_brief_table_has_a_row_for_each_method_and_a_column_for_each_place() -> None:
+    elsewhere = tuple(
+        replace(one, scenario="a lane", avoidable=30 - one.avoidable) for one in FIGURES[:16]
+    )
+    head, *rows = brief(against_random((*FIGURES, *elsewhere), "avoidable"))
+    assert head == ("method", "by", "a street, wet, idm", "a lane, idm")
+    cells = {row[0]: row[2:] for row in rows}
+    assert cells["avfuzzer"] == ("23.5 : 3.5, 1.00 *", "6.5 : 26.5, 0.00 -")
+    # No campaigns there.
+    assert cells["lawbreaker"] == ("3.5 : 3.5, 0.50", "")
 
 
 def test_methods_are_compared_with_their_twins() -> None:
