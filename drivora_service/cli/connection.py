@@ -75,7 +75,8 @@ def connected(
         on_error: Called with the error that stopped a campaign in this process.
 
     Raises:
-        ConfigurationError: Options for work in this process were given for a service.
+        ConfigurationError: Options for work in this process were given for a service, or options
+            that exclude one another.
     """
     if server:
         _refuse_local_options(data_dir, workers, evaluator)
@@ -128,10 +129,16 @@ def _in_process(
     from drivora_service.client import ApplicationTransport, Client
     from drivora_service.command_app import LOCAL_EVALUATOR, create_command_app
 
+    evaluator = evaluator or LOCAL_EVALUATOR
+    if settings.executor != "local" and evaluator != LOCAL_EVALUATOR:
+        raise ConfigurationError(
+            f"--evaluator {evaluator} performs runs itself, and would not use the executor "
+            f"{settings.executor!r} (--executor or DRIVORA_EXECUTOR). Leave out one of them"
+        )
     app = create_command_app(
         settings,
         workers=workers,
-        evaluator=evaluator or LOCAL_EVALUATOR,
+        evaluator=evaluator,
         makes_data=makes_data,
         on_error=on_error,
     )

@@ -102,6 +102,14 @@ def wait_until_told(
     raise AssertionError((tmp_path / "campaign.log").read_text())
 
 
+def test_an_evaluator_that_would_not_use_the_executor_is_refused(
+    drivora: Drivora, campaign_file: Path
+) -> None:
+    ended = drivora("campaign", "run", campaign_file, "--evaluator", "mine", "--executor", "ray")
+    assert ended.code == 2
+    assert "would not use the executor 'ray'" in ended.err
+
+
 def test_a_bad_file_is_refused_with_every_place(drivora: Drivora, campaign_file: Path) -> None:
     wrong = CAMPAIGN.replace("name: random", "name: randon").replace("seed: 3", "sed: 3")
     campaign_file.write_text(wrong)
