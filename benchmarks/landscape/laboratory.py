@@ -15,8 +15,9 @@ from drivora_service.campaigns.judging import violations_of
 from drivora_service.geometry.arrays import FloatArray
 from drivora_service.observations.trace import Col, Trace
 from drivora_service.observations.trace_file import read_trace
+from drivora_service.oracles.accountability import Accountability, accountability
 from drivora_service.oracles.collision import Collision
-from drivora_service.oracles.verdict import Answer, Outcome
+from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.report import RunReport, RunSpec, RunStatus
 
 AT_ONCE = 200
@@ -34,7 +35,7 @@ class Ran:
         report: What was judged and measured.
         collided: Whether an ego touched another actor, by whose fault ever.
         at_fault: Whether an ego violated an oracle of the campaign by its own fault.
-        avoidable: Whether it did in a way that a careful and competent driver avoids.
+        avoidable: Whether it did in a way that counts as avoidable, as in the figures of a study.
         motion: Hash of the motion of all egos.
         parent: Place of the parent among the parents; -1 if it was drawn.
     """
@@ -110,7 +111,7 @@ class Laboratory:
                 for one in report.verdicts
             ),
             at_fault=bool(own),
-            avoidable=any(one.avoidable is Answer.YES for one in own),
+            avoidable=any(accountability(one) is Accountability.AVOIDABLE for one in own),
             motion=_motion_of_egos(trace),
             parent=parent,
         )
