@@ -4,6 +4,7 @@
     python -m benchmarks.method_tables FOLDER/figures.csv…
     python -m benchmarks.method_tables FOLDER/figures.csv… --measure avoidable
     python -m benchmarks.method_tables FOLDER/figures.csv… --twins
+    python -m benchmarks.method_tables FOLDER/figures.csv… --measure avoidable --baseline drivefuzz
     python -m benchmarks.method_tables FOLDER/figures.csv… --brief
     python -m benchmarks.method_tables FOLDER/figures.csv… --survival PICTURES
 
@@ -86,23 +87,26 @@ def read(path: Path) -> Iterator[StudyFigures]:
             yield adapter.validate_python(cells)
 
 
-def against_random(figures: Sequence[StudyFigures], by: str = "") -> list[Difference]:
-    """Compares methods with random search.
+def against_one(
+    figures: Sequence[StudyFigures], by: str = "", baseline: str = _BASELINE
+) -> list[Difference]:
+    """Compares methods with one of them.
 
     Args:
         figures: Figures of campaigns.
         by: A measure for all methods; "": each by its own target.
+        baseline: Name of the one.
     """
     wanted: dict[str, list[str]] = {}
     for method in dict.fromkeys(one.method for one in figures):
         target = by or OWN_TARGETS.get(method, "")
-        if target and method != _BASELINE:
+        if target and method != baseline:
             wanted.setdefault(target, []).append(method)
     rows: list[Difference] = []
     for target, methods in wanted.items():
-        compared = _with_baseline(figures, methods, _BASELINE)
+        compared = _with_baseline(figures, methods, baseline)
         if compared:
-            rows += compare_campaigns(compared, _BASELINE, [measure(target)])
+            rows += compare_campaigns(compared, baseline, [measure(target)])
     return rows
 
 
@@ -185,6 +189,7 @@ def main(arguments: Sequence[str]) -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("figures", nargs="+", type=Path, help="figures.csv of studies")
     parser.add_argument("--measure", default="", help="the same for all, not each one's target")
+    parser.add_argument("--baseline", default=_BASELINE, help="method to compare the others with")
     parser.add_argument("--twins", action="store_true", help="against methods without feedback")
     parser.add_argument("--brief", action="store_true", help="a row a method, a column a place")
     parser.add_argument("--survival", type=Path, help="folder for curves, in place of a table")
@@ -193,7 +198,10 @@ def main(arguments: Sequence[str]) -> None:
     if options.survival:
         print("\n".join(map(str, draw_curves(figures, options.survival))))
         return
-    rows = (against_twins if options.twins else against_random)(figures, options.measure)
+    if options.twins:
+        rows = against_twins(figures, options.measure)
+    else:
+        rows = against_one(figures, options.measure, options.baseline)
     head, *body = brief(rows) if options.brief else (COLUMNS, *map(cells, rows))
     print("\n".join(table(head, body)))
 

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.method_tables import (
     OWN_TARGETS,
-    against_random,
+    against_one,
     against_twins,
     brief,
     main,
@@ -116,7 +116,7 @@ def test_every_method_has_a_target_of_its_own() -> None:
 
 
 def test_methods_are_compared_by_their_own_targets() -> None:
-    rows = {row.method: row for row in against_random(FIGURES)}
+    rows = {row.method: row for row in against_one(FIGURES)}
     assert {name: row.measure for name, row in rows.items()} == {
         "avfuzzer": "avoidable",
         "lawbreaker": "law_coverage",
@@ -128,7 +128,7 @@ def test_methods_are_compared_by_their_own_targets() -> None:
 
 
 def test_one_measure_can_be_that_of_all() -> None:
-    rows = {row.method: row for row in against_random(FIGURES, "avoidable")}
+    rows = {row.method: row for row in against_one(FIGURES, "avoidable")}
     assert set(rows) == {"avfuzzer", "avfuzzer without feedback", "lawbreaker"}
     assert rows["lawbreaker"].a12 == 0.5
     assert rows["avfuzzer"].p_holm == pytest.approx(3 * rows["avfuzzer"].p)
@@ -138,12 +138,18 @@ def test_a_brief_table_has_a_row_for_each_method_and_a_column_for_each_place() -
     elsewhere = tuple(
         replace(one, scenario="a lane", avoidable=30 - one.avoidable) for one in FIGURES[:16]
     )
-    head, *rows = brief(against_random((*FIGURES, *elsewhere), "avoidable"))
+    head, *rows = brief(against_one((*FIGURES, *elsewhere), "avoidable"))
     assert head == ("method", "by", "a street, wet, idm", "a lane, idm")
     cells = {row[0]: row[2:] for row in rows}
     assert cells["avfuzzer"] == ("23.5 : 3.5, 1.00 *", "6.5 : 26.5, 0.00 -")
     # No campaigns there.
     assert cells["lawbreaker"] == ("3.5 : 3.5, 0.50", "")
+
+
+def test_methods_are_compared_with_any_of_them() -> None:
+    rows = {row.method: row for row in against_one(FIGURES, "avoidable", "avfuzzer")}
+    assert set(rows) == {"random", "avfuzzer without feedback", "lawbreaker"}
+    assert rows["random"].a12 == 0.0
 
 
 def test_methods_are_compared_with_their_twins() -> None:
