@@ -11,6 +11,9 @@ import numpy as np
 from benchmarks.slots.service import Point
 from drivora_service.plotting import charts, colors
 
+_MANY = 1000
+"""Slots of a cluster, far more than can be measured on one machine."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Model:
@@ -43,6 +46,12 @@ class Model:
     def efficiency(self, slots: float) -> float:
         """Returns the share of the slots' time in which they perform runs."""
         return self.rate(slots) * self.run_s / slots
+
+    def shortest_run_s(self, slots: float, efficiency: float) -> float:
+        """Returns the seconds that runs must take for so many slots to be so busy."""
+        by_owner = efficiency * slots / self.most
+        by_gaps = self.gap_s * efficiency / (1.0 - efficiency)
+        return max(by_owner, by_gaps)
 
 
 def fit(points: Sequence[Point], run_s: float) -> Model:
@@ -86,6 +95,10 @@ def table(measured: Sequence[Point], model: Model) -> str:
         f"runs, {1e3 * model.gap_s:.1f} ms of a slot between two runs. The owner is full at "
         f"{model.most:.0f} runs a "
         f"second, which are {slots:.0f} slots; 90 % efficiency at {_slots_at(model, 0.9):.0f}.",
+        "",
+        f"With {_MANY} slots the owner is the limit: they are {model.efficiency(_MANY):.0%} busy "
+        f"with runs of {1e3 * model.run_s:.0f} ms, and 90 % busy with runs of "
+        f"{1e3 * model.shortest_run_s(_MANY, 0.9):.0f} ms or more.",
     ]
     return "\n".join(lines) + "\n"
 
