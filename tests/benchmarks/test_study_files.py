@@ -61,6 +61,23 @@ def test_variants_of_methods_search_on_the_same_ground(suffix: str, repository: 
     assert {one["name"] for one in variants["methods"]} <= set(METHODS)
 
 
+def test_variants_of_lawbreaker_search_on_its_ground(repository: Path) -> None:
+    studies = repository / "benchmarks" / "studies"
+    laws, variants = (
+        read_study_file(studies / f"{name}.yaml").content
+        for name in ("law-coverage", "law-variants")
+    )
+    assert all(scenario in laws["scenarios"] for scenario in variants["scenarios"])
+    for key in ("agents", "budget", "oracles"):
+        assert variants[key] == laws[key]
+    assert {one["name"] for one in variants["methods"]} == {"lawbreaker"}
+
+
+def test_a_slow_ads_is_searched_by_all_methods_of_one_ego(repository: Path) -> None:
+    content = read_study_file(repository / "benchmarks" / "studies" / "slow-ads.yaml").content
+    assert {one["name"] for one in content["methods"]} == set(METHODS) - {"doppeltest"}
+
+
 def test_the_twin_of_deepcollision_draws_all_actions(repository: Path) -> None:
     content = read_study_file(repository / "benchmarks" / "studies" / "nine-methods.yaml").content
     own, twin = (one for one in content["methods"] if one["name"] == "deepcollision")
