@@ -159,12 +159,12 @@ def brief(rows: Sequence[Difference]) -> list[tuple[str, ...]]:
     effect, a plus sign a smaller one, and a minus sign that the method is worse.
     """
     places = tuple(dict.fromkeys(row.scenario for row in rows))
-    cells = {(row.method, row.title, row.scenario): _brief_cell(row) for row in rows}
+    found = {(row.method, row.title, row.scenario): _brief_cell(row) for row in rows}
     methods = dict.fromkeys((row.method, row.title) for row in rows)
     return [
         ("method", "by", *places),
         *(
-            (method, title, *(cells.get((method, title, place), "") for place in places))
+            (method, title, *(found.get((method, title, place), "") for place in places))
             for method, title in methods
         ),
     ]

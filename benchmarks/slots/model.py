@@ -96,8 +96,8 @@ def table(measured: Sequence[Point], model: Model) -> str:
         f"{model.most:.0f} runs a "
         f"second, which are {slots:.0f} slots; 90 % efficiency at {_slots_at(model, 0.9):.0f}.",
         "",
-        f"With {_MANY} slots the owner is the limit: they are {model.efficiency(_MANY):.0%} busy "
-        f"with runs of {1e3 * model.run_s:.0f} ms, and 90 % busy with runs of "
+        f"By the model, {_MANY} slots are {model.efficiency(_MANY):.0%} busy with runs of "
+        f"{1e3 * model.run_s:.0f} ms, and 90 % busy with runs of "
         f"{1e3 * model.shortest_run_s(_MANY, 0.9):.0f} ms or more.",
     ]
     return "\n".join(lines) + "\n"

@@ -38,7 +38,7 @@ def test_the_owner_limits_many_slots() -> None:
     assert model.most == pytest.approx(1960.0)
     assert model.efficiency(100) == pytest.approx(1.0)
     assert model.efficiency(1000) == pytest.approx(1960.0 * 0.08 / 1000.0)
-    assert "With 1000 slots" in table(POINTS, model)
+    assert "1000 slots are" in table(POINTS, model)
 
 
 @pytest.mark.parametrize(("slots", "gap_s"), [(1000, 0.002), (10, 0.01)])

@@ -98,7 +98,7 @@ class NodeLink:
             self._lose(error)
 
     def _give(self) -> None:
-        """Gives the node its orders; those that wait go with one call."""
+        """Sends the node its orders; all that wait go in one call."""
         import ray
 
         try:
