@@ -7,7 +7,7 @@ import copy
 import json
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +58,19 @@ def of_tasks(address: str, folder: Path) -> Iterator[RayExecutor]:
         address=address, setup="", folder=folder, limits=LIMITS, perform=TASKS, warm_up=""
     ) as executor:
         yield executor
+
+
+class PausingJournal(MemoryJournal):
+    """A journal whose campaign waits before some evaluations until something has happened."""
+
+    def __init__(self, pauses: Mapping[int, threading.Event]) -> None:
+        super().__init__()
+        self._pauses = pauses
+
+    def append(self, record: EvaluationRecord, document: str) -> None:
+        if record.number in self._pauses:
+            until(self._pauses[record.number].is_set)
+        super().append(record, document)
 
 
 def test_traces_are_those_of_one_machine(ray_nodes: Cluster, tmp_path: Path) -> None:
@@ -112,7 +125,9 @@ def test_a_campaign_is_the_same_while_nodes_die_and_join(tmp_path: Path) -> None
     undisturbed = evaluations(
         LocalExecutor(slots=2, setup=SETUP, folder=tmp_path / "local"), MemoryJournal()
     )
-    journal = MemoryJournal()
+    # A search on one slot may otherwise be over before another node has joined and worked.
+    joined, worked = threading.Event(), threading.Event()
+    journal = PausingJournal({40: joined, 79: worked})
     with ray_cluster(1, 1) as cluster:
         executor = RayExecutor(address=cluster.address, setup=SETUP, folder=tmp_path / "ray")
         seen: list[set[str]] = []
@@ -126,6 +141,9 @@ def test_a_campaign_is_the_same_while_nodes_die_and_join(tmp_path: Path) -> None
             cluster.add(1)
             until(lambda: len(executor.slots()) == 2)
             seen.append({slot.name for slot in executor.slots()})
+            joined.set()
+            until(lambda: all(slot.runs for slot in executor.slots()))
+            worked.set()
 
         disturbing = threading.Thread(target=disturb)
         disturbing.start()
