@@ -9,8 +9,12 @@ fitted to the measured shares, and drawn with them.
 With ``--campaign`` they are the runs of one campaign of random search, and the engine and its
 journal work in this process instead.
 
+With ``--cluster`` the workers are on the nodes of a Ray cluster on this machine, and only wait; the
+process that is connected with the cluster and the actors of the nodes are measured, too.
+
     python -m benchmarks.slots --out benchmarks/results/slots.md --chart docs/images/slots
     python -m benchmarks.slots --campaign --out …
+    python -m benchmarks.slots --cluster 8 64 --out …
 """
 
 from __future__ import annotations
@@ -22,8 +26,8 @@ from pathlib import Path
 
 from benchmarks.scenes import usual_scenes
 from benchmarks.slots import campaign, service
-from benchmarks.slots.executors import STEADY_S, local_executor, real_report
-from benchmarks.slots.model import draw, fit, table
+from benchmarks.slots.executors import STEADY_S, cluster_executor, local_executor, real_report
+from benchmarks.slots.model import cluster_table, draw, fit, table
 from benchmarks.slots.service import Point
 from benchmarks.slots.simulated_executor import SimulatedExecutor
 from benchmarks.slots.sleeping_worker import Sleep
@@ -40,6 +44,15 @@ def points(options: argparse.Namespace) -> Iterator[Point]:
     documents = [canonical_json(scene) for scene in usual_scenes(_SCENES, seed=1)]
     run_s: float = options.run_ms / 1000.0
     report = real_report(documents[0])
+    if options.cluster:
+        sleep = Sleep(run_s=run_s, report=report)
+        for slots in options.cluster:
+            with (
+                tempfile.TemporaryDirectory() as folder,
+                cluster_executor(slots, options.nodes, sleep, folder) as executor,
+            ):
+                yield _point(executor, documents, Path(folder), "cluster", options)
+        return
     for slots in options.real:
         setup = WorkerSetup(shipped_networks=shipped_networks())
         with (
@@ -85,6 +98,8 @@ def main() -> None:
     parser.add_argument("--real", type=int, nargs="*", default=[1, 2])
     parser.add_argument("--sleeping", type=int, nargs="*", default=[8, 64])
     parser.add_argument("--simulated", type=int, nargs="*", default=[8, 64, 256])
+    parser.add_argument("--cluster", type=int, nargs="+", default=[], help="slots of all nodes")
+    parser.add_argument("--nodes", type=int, default=2, help="of the cluster")
     parser.add_argument("--run-ms", type=float, default=80.0, help="of waited runs")
     parser.add_argument("--seconds", type=float, default=20.0, help="measured for each point")
     parser.add_argument("--out", type=Path, help="Markdown file for the table")
@@ -95,7 +110,7 @@ def main() -> None:
         measured.append(point)
         print(point, flush=True)
     model = fit(measured, options.run_ms / 1000.0)
-    text = table(measured, model)
+    text = cluster_table(measured, model) if options.cluster else table(measured, model)
     print(text)
     if options.out:
         options.out.write_text(text)

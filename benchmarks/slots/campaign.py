@@ -9,7 +9,8 @@ from contextlib import closing, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
-from benchmarks.slots.service import Point, Recording, own_s, point_of
+from benchmarks.slots.service import Point, Recording, point_of
+from benchmarks.slots.spent import Spent, spent
 from drivora_service.campaigns.catalogues import Catalogues
 from drivora_service.campaigns.conducting import Watcher
 from drivora_service.campaigns.documents import MAX_LOOKAHEAD
@@ -50,14 +51,14 @@ def measure(
     recording = Recording(executor)
     budget = round(3.0 * (seconds + warm_s + 1.0) * executor.capacity / run_s)
     due: list[float] = []
-    marks: list[tuple[datetime, float]] = []
+    marks: list[tuple[datetime, Spent]] = []
 
     def requested() -> CampaignRequest:
         now = time.monotonic()
         if not due and recording.is_warm:
             due.extend((now + warm_s, now + warm_s + seconds))
         if len(marks) < len(due) and now >= due[len(marks)]:
-            marks.append((datetime.now(UTC), own_s(executor)))
+            marks.append((datetime.now(UTC), spent(executor)))
         return CampaignRequest.PAUSE if len(marks) > 1 else CampaignRequest.NONE
 
     @contextmanager
@@ -81,9 +82,9 @@ def measure(
         )
     finally:
         database.close()
-    (first, cpu), (last, cpu_last) = marks
+    (first, before), (last, after) = marks
     return point_of(
-        recording.ends, executor, kind=kind, between=(first, last), cpu_s=cpu_last - cpu
+        recording.ends, executor, kind=kind, between=(first, last), used=after.since(before)
     )
 
 

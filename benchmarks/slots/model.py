@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -54,14 +55,23 @@ class Model:
         return max(by_owner, by_gaps)
 
 
-def fit(points: Sequence[Point], run_s: float) -> Model:
+def fit(
+    points: Sequence[Point],
+    run_s: float,
+    share: Callable[[Point], float] = attrgetter("own_share"),
+) -> Model:
     """Fits the model to measured points, with runs of ``run_s`` seconds.
 
     Simulated workers have no supervision, and count only if there are no others.
+
+    Args:
+        points: The points.
+        run_s: Seconds.
+        share: Returns the share of one core that the process in question used.
     """
     points = [point for point in points if point.kind != "simulated"] or points
     rates = np.array([point.rate for point in points])
-    shares = np.array([point.own_share for point in points])
+    shares = np.array([share(point) for point in points])
     # Relative errors count: the shares differ by two orders of magnitude.
     weights = 1.0 / shares
     columns = np.stack([rates, np.ones_like(rates)], axis=1) * weights[:, None]
@@ -100,6 +110,34 @@ def table(measured: Sequence[Point], model: Model) -> str:
         f"{1e3 * model.run_s:.0f} ms, and 90 % busy with runs of "
         f"{1e3 * model.shortest_run_s(_MANY, 0.9):.0f} ms or more.",
     ]
+    return "\n".join(lines) + "\n"
+
+
+def cluster_table(measured: Sequence[Point], model: Model) -> str:
+    """Returns the points on a Ray cluster, and what limits it, as a table in Markdown.
+
+    Args:
+        measured: The points.
+        model: Fitted to the process of the service.
+    """
+    driver = fit(measured, model.run_s, attrgetter("driver_share"))
+    lines = [
+        "| K | runs/s | ms a run in its worker | service, ms a run | driver, ms a run | actors of "
+        "the nodes, ms a run | other processes of Ray, ms a run | efficiency |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {p.slots} | {p.rate:.1f} | {1e3 * p.run_s:.1f} | {p.own_ms:.3f} | {p.driver_ms:.3f} "
+        f"| {p.nodes_ms:.3f} | {p.ray_ms:.3f} | {p.efficiency:.1%} |"
+        for p in measured
+    ]
+    for name, one in (("service", model), ("process that is connected with Ray", driver)):
+        lines += [
+            "",
+            f"The {name} needs {1e3 * one.own_s:.3f} ms a run and {one.fixed:.1%} of a core "
+            f"whatever the runs: it is full at {one.most:.0f} runs a second, and {_MANY} slots are "
+            f"90 % busy with runs of {1e3 * one.shortest_run_s(_MANY, 0.9):.0f} ms or more.",
+        ]
     return "\n".join(lines) + "\n"
 
 

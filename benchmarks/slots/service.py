@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from benchmarks.slots.simulated_executor import SimulatedExecutor
+from benchmarks.slots.spent import Spent, spent
 from drivora_service.execution.collection import settle_garbage_collector
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.executor import Executor
@@ -38,12 +38,16 @@ class Point:
 
     Attributes:
         slots: K.
-        kind: ``real``, ``sleeping`` or ``simulated`` workers.
+        kind: ``real``, ``sleeping`` or ``simulated`` workers; ``cluster``: sleeping ones of the
+            nodes of a Ray cluster.
         runs: Runs that ended in the measured time.
         seconds: The measured time.
         run_s: Mean seconds of a run, in the worker.
         own_ms: Processor time of the process that owns the slots a run, milliseconds.
         efficiency: Share of the slots' time in which a worker decoded genes or performed a run.
+        driver_ms: Like ``own_ms``, of the process that is connected with a Ray cluster.
+        nodes_ms: Of the actors of its nodes together.
+        ray_ms: Of the other processes of Ray.
     """
 
     slots: int
@@ -53,6 +57,9 @@ class Point:
     run_s: float
     own_ms: float
     efficiency: float
+    driver_ms: float = 0.0
+    nodes_ms: float = 0.0
+    ray_ms: float = 0.0
 
     @property
     def rate(self) -> float:
@@ -63,6 +70,11 @@ class Point:
     def own_share(self) -> float:
         """Share of one core that the process that owns the slots used."""
         return self.rate * self.own_ms / 1000.0
+
+    @property
+    def driver_share(self) -> float:
+        """Share of one core that the process that is connected with a Ray cluster used."""
+        return self.rate * self.driver_ms / 1000.0
 
 
 class Seen(NamedTuple):
@@ -167,16 +179,16 @@ def measure(
     with _dispatching(database, recording, folder):
         _wait_until(lambda: recording.is_warm)
         time.sleep(warm_s)
-        first, cpu = datetime.now(UTC), own_s(executor)
+        first, before = datetime.now(UTC), spent(executor)
         time.sleep(seconds)
         # A busy machine takes longer for a run.
         _wait_until(lambda: any(end.ended >= first for end in recording.ends))
-        cpu, last = own_s(executor) - cpu, datetime.now(UTC)
+        used, last = spent(executor).since(before), datetime.now(UTC)
         assert len(recording.ends) < count, f"all {count} queued runs ended too early"
         # Ends are handed over some times a second.
         time.sleep(1.0)
     database.close()
-    return point_of(recording.ends, executor, kind=kind, between=(first, last), cpu_s=cpu)
+    return point_of(recording.ends, executor, kind=kind, between=(first, last), used=used)
 
 
 def point_of(
@@ -185,7 +197,7 @@ def point_of(
     *,
     kind: str,
     between: tuple[datetime, datetime],
-    cpu_s: float,
+    used: Spent,
 ) -> Point:
     """Returns the measurement.
 
@@ -194,7 +206,7 @@ def point_of(
         executor: Performed them.
         kind: See :class:`Point`.
         between: The measured time.
-        cpu_s: Processor time of this process in it, without that of simulating slots.
+        used: Processor time in it.
     """
     first, last = between
     passed = (last - first).total_seconds()
@@ -209,8 +221,11 @@ def point_of(
         runs=len(ends),
         seconds=passed,
         run_s=sum(durations) / len(durations),
-        own_ms=1000.0 * cpu_s / len(ends),
+        own_ms=1000.0 * used.own_s / len(ends),
         efficiency=sum(durations) / (executor.capacity * passed),
+        driver_ms=1000.0 * used.driver_s / len(ends),
+        nodes_ms=1000.0 * used.nodes_s / len(ends),
+        ray_ms=1000.0 * used.ray_s / len(ends),
     )
 
 
@@ -230,12 +245,6 @@ def _seen(end: AttemptEnd) -> Seen:
         worked_s=report.wall_time_s + (0.0 if end.candidate is None else end.candidate.prepare_s),
         bad=None if report.status is RunStatus.FINISHED else report,
     )
-
-
-def own_s(executor: Executor) -> float:
-    """Returns the processor time of this process, without that of simulating slots."""
-    own_s = executor.own_s if isinstance(executor, SimulatedExecutor) else 0.0
-    return time.process_time() - own_s
 
 
 def _queue(database: Database, documents: Sequence[str], count: int, *, keeps_trace: bool) -> None:

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from benchmarks.slots.model import Model, fit, table
+from benchmarks.slots.model import Model, cluster_table, fit, table
 from benchmarks.slots.service import Point
 
 
@@ -47,3 +49,13 @@ def test_runs_can_be_long_enough_for_any_number_of_slots(slots: int, gap_s: floa
     run_s = model.shortest_run_s(slots, 0.9)
     longer = Model(run_s=run_s, gap_s=gap_s, fixed=0.02, own_s=0.0005)
     assert longer.efficiency(slots) == pytest.approx(0.9)
+
+
+def test_each_process_of_a_cluster_has_its_limit() -> None:
+    model = fit(POINTS, run_s=0.08)
+    text = cluster_table([replace(one, driver_ms=2.0 * one.own_ms) for one in POINTS], model)
+    assert "The service needs 0.500 ms a run and 2.0% of a core" in text
+    assert "connected with Ray needs 1.000 ms a run and 4.0% of a core" in text
+    # 90 % of a thousand slots, each run of which takes 1 ms of 96 % of a core.
+    assert "it is full at 960 runs a second" in text
+    assert "busy with runs of 938 ms or more" in text

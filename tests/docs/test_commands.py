@@ -21,6 +21,9 @@ from tests.postgresql_server import PostgresqlServer
 _ROOT = Path(__file__).resolve().parents[2]
 _FILES = Path(__file__).with_name("files")
 _TIME_LIMIT_S = 600.0
+_SERVICE_PORT = "8000"
+_PORTS = (_SERVICE_PORT, "6399")
+"""Ports that the pages use, of a service and of a Ray cluster; the tests take free ones."""
 PAGES = sorted(
     path.relative_to(_ROOT).as_posix()
     for path in (_ROOT / "README.md", *(_ROOT / "docs").glob("*/*.md"))
@@ -62,15 +65,19 @@ def run_page(commands: Sequence[Command], tmp_path: Path) -> Iterator[tuple[int,
     shutil.copytree(_FILES, folder)
     for name in ("openscenario_schemas", "sumo_nets", "deploy"):
         (folder / name).symlink_to(_ROOT / name)
-    port = _free_port()
+    ports = {written: str(_free_port()) for written in _PORTS}
     script = ["trap 'kill $(jobs -p) 2>/dev/null' EXIT"]
     for number, command in enumerate(commands):
-        text = command.script.replace("localhost:8000", f"localhost:{port}")
+        text = command.script
+        for written, port in ports.items():
+            text = re.sub(rf"\b{written}\b", port, text)
         script.append(f"{{\n{text}\n}} > {tmp_path}/{number}.out 2>&1")
         script.append(f"echo $? > {tmp_path}/{number}.code")
-    _run("\n".join(script), folder, port)
+    _run("\n".join(script), folder, ports[_SERVICE_PORT])
     for number in range(len(commands)):
-        printed = (tmp_path / f"{number}.out").read_text().replace(str(port), "8000")
+        printed = (tmp_path / f"{number}.out").read_text()
+        for written, port in ports.items():
+            printed = printed.replace(port, written)
         yield int((tmp_path / f"{number}.code").read_text()), printed
 
 
@@ -85,13 +92,13 @@ def test_installation_names_targets_that_exist(page: str) -> None:
     assert named <= targets
 
 
-def _run(script: str, folder: Path, port: int) -> None:
+def _run(script: str, folder: Path, port: str) -> None:
     """Runs a script, and ends with it all that it started."""
     site = folder.parent / "site"
     environment = {
         **os.environ,
         "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
-        "DRIVORA_PORT": str(port),
+        "DRIVORA_PORT": port,
         "COLUMNS": "80",
         # Packages that a page installs must not reach the environment of the tests.
         "PIP_TARGET": str(site),
