@@ -28,6 +28,22 @@ from typing import Any
 _EXAMPLES = Path(__file__).resolve().parents[2] / "openscenario_schemas" / "examples"
 _SCENARIOS = ("walker-behind-van", "wet-arterial")
 _KERNELS = "find /home/drivora/.cache/numba -name '*.nbc' | sort"
+_ORPHAN = """
+import os, time
+read, write = os.pipe()
+if os.fork() == 0:
+    if os.fork() == 0:
+        os.write(write, str(os.getpid()).encode())
+        time.sleep(0.5)
+    os._exit(0)
+os.wait()
+orphan = os.read(read, 20).decode()
+until = time.monotonic() + 20.0
+while os.path.exists(f"/proc/{orphan}") and time.monotonic() < until:
+    time.sleep(0.1)
+print("left" if os.path.exists(f"/proc/{orphan}") else "reaped")
+"""
+"""A program of Python that tells what became of a process that lost its parent and ended."""
 _READY_S = 300.0
 _RUNS_S = 300.0
 _STOP_S = 90.0
@@ -60,6 +76,10 @@ class Buildah:
     def drivora(self, *arguments: str) -> str:
         """Runs the program of the image."""
         return self.run(*self._entrypoint, *arguments)
+
+    def python(self, program: str) -> str:
+        """Runs a program of Python in place of the service, below the init of the image."""
+        return self.run(*self._entrypoint[:-1], "python", "-c", program)
 
     @contextmanager
     def serving(self, port: int, log: Path, **variables: str) -> Iterator[None]:
@@ -119,6 +139,11 @@ class Docker:
         """Runs the program of the image."""
         return _output("docker", "run", "--rm", *self._options, self.image, *arguments)
 
+    def python(self, program: str) -> str:
+        """Runs a program of Python in place of the service, below the init of the image."""
+        config = json.loads(_output("docker", "image", "inspect", self.image))[0]["Config"]
+        return self.run(*config["Entrypoint"][:-1], "python", "-c", program)
+
     @contextmanager
     def serving(self, port: int, log: Path, **variables: str) -> Iterator[None]:
         """Runs the service; ends it as a stop of the container does."""
@@ -176,6 +201,10 @@ def _try_image(container: Buildah | Docker, most_mb: float, log: Path) -> None:
     print(f"smoke: drivora {version}, user {user}")
     if user != "10001":
         raise Failed(f"the image runs as the user {user}, not as 10001")
+    orphan = container.python(_ORPHAN)
+    print(f"smoke: a process without a parent is {orphan}")
+    if orphan != "reaped":
+        raise Failed("the init of the image does not reap processes that lost their parents")
     variables = {"DRIVORA_WORKERS": "2"}
     if "DRIVORA_DATABASE_URL" in os.environ:
         variables["DRIVORA_DATABASE_URL"] = os.environ["DRIVORA_DATABASE_URL"]
