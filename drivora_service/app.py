@@ -96,7 +96,7 @@ def create_service(
     database = open_database(settings.resolved_database_url, patience_s=_LOCK_TIMEOUT_S)
     places = trace_places(settings)
     traces = places.of_runs()
-    workers_folder = folder.path / "workers"
+    workers_folder = folder.logs
     infrastructure = Infrastructure(
         {
             "database": database.probe,

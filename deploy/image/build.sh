@@ -1,12 +1,19 @@
 #!/usr/bin/env bash
 # Builds the image of the Dockerfile with buildah (no daemon, no root needed) or docker.
 #   usage: build.sh [--tag NAME] [OPTION OF `buildah build` OR `docker build` …]
+# Exits with 3 if no image can be built here, and with 1 if the build has failed.
 # BASE names the base image. Without it, that of the Dockerfile is used where it can be pulled;
 # elsewhere buildah makes a base from Debian's packages, by debootstrap, which needs root.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 tag=drivora
-if [ "${1:-}" = --tag ]; then tag=${2:?--tag needs a name}; shift 2; fi
+given=()
+while [ $# -gt 0 ]; do
+  case $1 in
+    --tag) tag=${2:?--tag needs a name}; shift 2 ;;
+    *) given+=("$1"); shift ;;
+  esac
+done
 
 if command -v buildah > /dev/null; then
   engine=buildah
@@ -44,7 +51,8 @@ debian_base() {
 }
 
 if [ $engine = docker ]; then
-  exec docker build ${BASE:+--build-arg BASE="$BASE"} --tag "$tag" "$@" .
+  docker build ${BASE:+--build-arg BASE="$BASE"} --tag "$tag" "${given[@]}" . || exit 1
+  exit 0
 fi
 base=${BASE:-$(sed -n 's/^ARG BASE=//p' Dockerfile)}
 [ -n "${BASE:-}" ] || buildah pull --quiet "$base" > /dev/null 2>&1 || debian_base
@@ -55,5 +63,6 @@ if [ -f $certificates ]; then
   options+=(--volume "$certificates:/etc/ssl/certs/ca-certificates.crt:ro")
   for name in PIP_CERT NODE_EXTRA_CA_CERTS; do options+=(--build-arg "$name=$certificates"); done
 fi
-# Of docker's form: the other has no health check.
-exec buildah build --format docker "${options[@]}" --build-arg BASE="$base" --tag "$tag" "$@" .
+# Of docker's form: the other has no health check. The exit code of a step is that of the build.
+buildah build --format docker "${options[@]}" --build-arg BASE="$base" --tag "$tag" "${given[@]}" . \
+  || exit 1

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from filelock import Timeout, UnixFileLock
 
-from drivora_service.errors import Conflict
+from drivora_service.errors import Conflict, StoreError
 
 _WAIT_S, _PAUSE_S = 0.2, 0.01
 """Seconds to wait for a lock, and seconds between two attempts."""
+
+_WITHOUT_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
+"""What file systems answer that cannot lock files."""
 
 
 class FileLock:
@@ -31,6 +36,7 @@ class FileLock:
 
         Raises:
             Conflict: Another process has it.
+            StoreError: The file system cannot lock files.
         """
         self._lock = UnixFileLock(
             path,
@@ -45,7 +51,8 @@ class FileLock:
             on_acquired=_write_process_id,
         )
         try:
-            self._lock.acquire()
+            with _locking(path):
+                self._lock.acquire()
         except Timeout:
             holder = path.read_text(errors="replace").strip()
             raise Conflict(refusal(holder or "(unknown)")) from None
@@ -56,16 +63,34 @@ class FileLock:
 
 
 def is_locked(path: Path) -> bool:
-    """Returns whether a process holds the lock of an existing file; does not change the file."""
+    """Returns whether a process holds the lock of an existing file; does not change the file.
+
+    Raises:
+        StoreError: The file system cannot lock files.
+    """
     file = os.open(path, os.O_RDONLY)
     try:
         # Shared, so that several processes may check; meanwhile the lock cannot be taken.
-        fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        with _locking(path):
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
         return True
     finally:
         os.close(file)
     return False
+
+
+@contextmanager
+def _locking(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in _WITHOUT_LOCKS:
+            raise
+        raise StoreError(
+            f"the file system of {path.parent} cannot lock files ({error.strerror}); choose "
+            "another folder with DRIVORA_DATA_DIR, or have it mounted with locks (Lustre: `flock`)"
+        ) from error
 
 
 def _write_process_id(file: int) -> None:

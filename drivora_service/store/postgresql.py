@@ -32,9 +32,11 @@ _CONNECTING = {
     "keepalives_idle": 15,
     "keepalives_interval": 5,
     "keepalives_count": 3,
+    # While an answer is awaited, no keepalive is sent.
+    "tcp_user_timeout": 30_000,
 }
-"""What the driver gets unless the address says it: a server that is gone is noticed within half a
-minute, not within the hours of the operating system's own limits."""
+"""What the driver gets unless the address says it: a machine that is gone is noticed within half a
+minute, not within the minutes or hours of the operating system's own limits."""
 
 _WRITING = 0x647269766F7261
 """Number of the advisory lock of transactions that write: "drivora"."""

@@ -46,7 +46,8 @@ class Storage:
         try:
             import fsspec
 
-            system, root = fsspec.core.url_to_fs(url)
+            # Workers, which are other processes, write what a list that is kept would not have.
+            system, root = fsspec.core.url_to_fs(url, use_listings_cache=False)
         except (ImportError, ValueError) as error:
             raise ConfigurationError(
                 f"DRIVORA_TRACES_URL: {url.partition('://')[0]!r} cannot be used: {error}; storage "
@@ -158,7 +159,7 @@ class Storage:
             copies = [path for path in self._copies.iterdir() if path.is_dir()]
             if len(copies) <= MOST_COPIES:
                 return
-            copies.sort(key=lambda path: path.stat().st_mtime)
+            copies.sort(key=_used_at)
             for path in copies[: len(copies) // 2]:
                 shutil.rmtree(path, ignore_errors=True)
 
@@ -230,6 +231,13 @@ class RemoteCampaignTraces:
     def take(self, run: str, address: str) -> None:
         """Copies the trace of a run within the storage."""
         self._storage.take(run, address)
+
+
+def _used_at(path: Path) -> float:
+    # Another server that shares the folder may have removed it.
+    with contextlib.suppress(FileNotFoundError):
+        return path.stat().st_mtime
+    return 0.0
 
 
 def _name(run_id: str) -> str:

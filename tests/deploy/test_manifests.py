@@ -169,9 +169,10 @@ _SLURM = {
     "scontrol": 'printf "node-1\\nnode-2\\nnode-3\\n"',
     "srun": """
         while [ "${1#--}" != "$1" ]; do shift; done
-        if [ "$1" = hostname ]; then echo "10.0.0.1 fe80::1"; exit; fi
         exec "$@"
     """,
+    # As on Debian, where the name of a machine is that of a loopback address.
+    "hostname": '[ "$1" = --ip-address ] && echo 127.0.1.1 || echo "fe80::1 10.0.0.1 10.0.1.1"',
     "ray": """
         case "$*" in
           "start --head"*) touch "$JOB/head" ;;

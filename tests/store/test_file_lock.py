@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 import signal
@@ -15,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.errors import Conflict
+from drivora_service.errors import Conflict, StoreError
 from drivora_service.store.file_lock import FileLock, is_locked
 
 OURS = """
@@ -144,3 +145,20 @@ def test_what_workers_import_does_not_bring_the_hooks_of_every_fork() -> None:
     code = "import sys, drivora_service.worker.performing; print('filelock' in sys.modules)"
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ended.stdout.strip() == "False"
+
+
+def test_a_file_system_without_locks_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "one.lock"
+    path.touch()
+
+    def flock(_file: int, _operation: int) -> None:
+        raise OSError(errno.ENOSYS, os.strerror(errno.ENOSYS))
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    message = f"the file system of {tmp_path} cannot lock files .* choose another folder"
+    with pytest.raises(StoreError, match=message):
+        FileLock(path, refusal=str)
+    with pytest.raises(StoreError, match=message):
+        is_locked(path)

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from sqlalchemy import make_url, text
@@ -155,6 +156,18 @@ def test_another_encoding_is_refused(postgresql: PostgresqlServer) -> None:
 )
 def test_addresses_that_cannot_work_are_refused_without_their_password(address: str) -> None:
     assert "postgresql+psycopg://USER:PASSWORD@HOST" in refusal(address)
+
+
+def test_a_machine_that_is_gone_is_noticed_within_half_a_minute(database: Database) -> None:
+    with database.engine.connect() as connection:
+        driver: Any = connection.connection.dbapi_connection
+        given = {name: str(value) for name, value in driver.info.get_parameters().items()}
+    # Idle connections are asked; what was sent and is not acknowledged is given up.
+    idle, interval, count = (
+        int(given[f"keepalives_{name}"]) for name in ("idle", "interval", "count")
+    )
+    assert idle + interval * count <= 30
+    assert 0 < int(given["tcp_user_timeout"]) <= 30_000
 
 
 @pytest.mark.parametrize("scheme", ["postgresql", "postgres", "postgresql+psycopg2"])

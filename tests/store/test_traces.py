@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -84,6 +86,24 @@ def test_what_is_written_again_is_read_anew(places: TracePlaces) -> None:
     time.sleep(1.1)
     store_trace(OTHER, traces.prepare("01ab"))
     assert trace_sha256(read_trace(traces.path("01ab"))) == trace_sha256(OTHER)
+
+
+def test_what_another_process_writes_into_a_listed_folder_is_found(places: TracePlaces) -> None:
+    traces = places.of_runs()
+    store_trace(TRACE, traces.prepare("01ab"))
+    assert list(run_ids(traces)) == ["01ab"]
+    code = (
+        "import sys; from tests.store.test_traces import OTHER, store_trace; "
+        "store_trace(OTHER, sys.argv[1])"
+    )
+    subprocess.run(
+        [sys.executable, "-c", code, traces.prepare("02ab")],
+        cwd=Path(__file__).resolve().parents[2],
+        check=True,
+    )
+    assert traces.has("02ab")
+    assert trace_sha256(read_trace(traces.path("02ab"))) == trace_sha256(OTHER)
+    assert list(run_ids(traces)) == ["01ab", "02ab"]
 
 
 def test_a_failure_takes_the_trace_of_its_run(places: TracePlaces) -> None:
