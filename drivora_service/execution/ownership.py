@@ -15,13 +15,15 @@ from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import Database
 from drivora_service.store.file_lock import FileLock
 from drivora_service.store.ids import new_id
+from drivora_service.store.migration import refuse_other_schema
 from drivora_service.store.work_locks import HeldWork, LongWork
 
 HEARTBEAT_TIMEOUT_S = 30.0
-"""Seconds without a heartbeat after which another server's runs are taken over."""
+"""Seconds without a heartbeat after which the runs of another server, or of a command with another
+data folder, are taken over."""
 
 LOCK_TIMEOUT_S = 6.0
-"""The same for a server that does not hold its lock either: its process has ended, or has lost its
+"""The same for one that does not hold its lock either: its process has ended, or has lost its
 connection, which it notices with its next heartbeat."""
 
 _LONGEST_PAUSE_S = 6.0
@@ -44,8 +46,9 @@ class Ownership:
 
     Another server is alive while its heartbeat changes, in seconds of this process's own clock: the
     times in the database are of clocks that may jump. It also holds a lock of the database, so that
-    its death is noticed sooner. A command is alive while its lock is held. Runs of a dead server go
-    back to the queue; runs of a dead command are cancelled.
+    its death is noticed sooner. A command is alive while the file that it has locked in the data
+    folder is locked; one with another data folder is judged as a server is, by its lock of the
+    database. Runs of a dead server go back to the queue; runs of a dead command are cancelled.
     """
 
     def __init__(
@@ -73,7 +76,7 @@ class Ownership:
         self._seen: dict[str, _Heartbeat] = {}
         self._looked_at = clock()
         self._lock: FileLock | None = None
-        self._server_lock: HeldWork | None = None
+        self._work_lock: HeldWork | None = None
         self.owner_id = new_id()
 
     @property
@@ -85,14 +88,18 @@ class Ownership:
         """Makes this process an owner and takes over the runs of processes known to be dead.
 
         Raises:
+            Conflict: A newer version has migrated the database.
             StoreError: The database cannot be used.
         """
+        locks = self._database.locks
         if self._is_command:
             # Locked before other processes can see the owner, so that none takes it for dead.
             self._lock = self._commands.hold(self.owner_id)
+            self._work_lock = locks.hold(LongWork.command(self.owner_id))
         elif not self._exclusive:
-            self._server_lock = self._database.locks.hold(LongWork.server(self.owner_id))
+            self._work_lock = locks.hold(LongWork.server(self.owner_id))
         with self._database.write() as transaction:
+            refuse_other_schema(transaction.session)
             transaction.workers.register(self.owner_id)
             transaction.idempotency.clean(unfinished=self._exclusive)
         self.take_over()
@@ -118,8 +125,8 @@ class Ownership:
             transaction.minimizations.interrupt(self.owner_id)
             transaction.batches.cancel_reserved(self.owner_id)
             transaction.workers.leave(self.owner_id)
-        if self._server_lock is not None:
-            self._server_lock.release()
+        if self._work_lock is not None:
+            self._work_lock.release()
         if self._lock is not None:
             self._lock.release()
             self._commands.forget(self.owner_id)
@@ -139,26 +146,28 @@ class Ownership:
 
     def _dead(self, heartbeats: dict[str, datetime]) -> list[str]:
         dead = self._commands.dead(heartbeats)
-        servers = [owner for owner in heartbeats if not self._commands.is_command(owner)]
+        # Servers, and commands with other data folders.
+        others = [owner for owner in heartbeats if not self._commands.is_command(owner)]
         if self._is_command:
             return dead
         if self._exclusive:
-            return dead + servers
+            locks = self._database.locks
+            return dead + [one for one in others if not locks.is_held(LongWork.command(one))]
         now = self._clock()
         if now - self._looked_at > _LONGEST_PAUSE_S:
             self._seen.clear()
         self._looked_at = now
-        for owner_id in servers:
+        for owner_id in others:
             seen, heartbeat = self._seen.get(owner_id), heartbeats[owner_id]
             if seen is None or seen.heartbeat != heartbeat:
                 self._seen[owner_id] = _Heartbeat(heartbeat=heartbeat, at=now)
-        return dead + [one for one in servers if self._is_dead(one, now - self._seen[one].at)]
+        return dead + [one for one in others if self._is_dead(one, now - self._seen[one].at)]
 
-    def _is_dead(self, server: str, silent_s: float) -> bool:
+    def _is_dead(self, owner_id: str, silent_s: float) -> bool:
         if silent_s >= HEARTBEAT_TIMEOUT_S:
             return True
-        locks = self._database.locks
-        return silent_s >= LOCK_TIMEOUT_S and not locks.is_held(LongWork.server(server))
+        works = LongWork.server(owner_id), LongWork.command(owner_id)
+        return silent_s >= LOCK_TIMEOUT_S and not any(map(self._database.locks.is_held, works))
 
 
 def cancel_runs_of_dead_commands(
@@ -184,4 +193,5 @@ def _take_over_from(
         transaction.batches.cancel_reserved(owner_id)
         transaction.workers.leave(owner_id)
     commands.forget(owner_id)
+    database.locks.forget(LongWork.command(owner_id))
     _log.warning("took_over_from_dead_process", owner=owner_id, runs=runs)

@@ -26,6 +26,7 @@ from drivora_service.store.campaign_records import (
 from drivora_service.store.campaign_tables import CampaignRow
 from drivora_service.store.ids import new_id
 from drivora_service.store.merging import Branch, first_numbers
+from drivora_service.store.migration import refuse_other_schema
 from drivora_service.store.paging import make_token, read_token
 from drivora_service.store.records import BatchState, Page
 from drivora_service.store.tables import BatchRow
@@ -143,8 +144,9 @@ class CampaignRepository:
 
         Raises:
             UnknownName: There is none of this id.
-            Conflict: It is over, or not queued.
+            Conflict: It is over, or not queued; or a newer version has migrated the database.
         """
+        refuse_other_schema(self._session)
         row = campaign_row(self._session, campaign_id)
         _refuse_if_over(row)
         if only_queued and row.state not in _TO_RUN:

@@ -46,7 +46,7 @@ class CommandDatabase:
 
         Raises:
             NothingStored: It does not exist, and is not to be made.
-            Conflict: It is to be migrated, and a server uses it.
+            Conflict: It is to be migrated, and a server or a command works on it.
             StoreError: It cannot be used.
         """
         with self._opening:

@@ -15,7 +15,7 @@ from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError
 from sqlalchemy.orm import Session, sessionmaker
 
-from drivora_service.errors import Conflict, StoreError, StoreUnavailable
+from drivora_service.errors import StoreError, StoreUnavailable
 from drivora_service.store.batches import BatchRepository
 from drivora_service.store.campaign_rows import CampaignRowRepository
 from drivora_service.store.campaign_runs import CampaignRunRepository
@@ -26,6 +26,7 @@ from drivora_service.store.changes import ChangeCounter
 from drivora_service.store.evaluations import EvaluationRepository
 from drivora_service.store.facets import count_changes
 from drivora_service.store.figures import FigureRepository
+from drivora_service.store.file_work_locks import FileWorkLocks
 from drivora_service.store.found_lists import FoundRepository
 from drivora_service.store.group_decisions import DecisionRepository
 from drivora_service.store.group_lists import GroupRepository
@@ -35,6 +36,7 @@ from drivora_service.store.migration import migrate
 from drivora_service.store.minimizations import MinimizationRepository
 from drivora_service.store.network_use import NetworkUse, network_use
 from drivora_service.store.postgresql import lock_writing, postgresql_engine, reading_options
+from drivora_service.store.postgresql_work_locks import PostgresqlWorkLocks
 from drivora_service.store.quarantine import QuarantineRepository
 from drivora_service.store.queue import QueueRepository
 from drivora_service.store.results import ResultRepository
@@ -43,12 +45,7 @@ from drivora_service.store.sqlite import sqlite_engine
 from drivora_service.store.store_errors import store_errors
 from drivora_service.store.studies import StudyRepository
 from drivora_service.store.suite_runs import SuiteRunRepository
-from drivora_service.store.work_locks import (
-    FileWorkLocks,
-    PostgresqlWorkLocks,
-    WorkKind,
-    WorkLocks,
-)
+from drivora_service.store.work_locks import WorkLocks, refuse_while_used
 from drivora_service.store.workers import WorkerRepository
 
 PATIENCE_S = 30.0
@@ -312,7 +309,7 @@ def open_database(
             prevent that.
 
     Raises:
-        Conflict: It is to be migrated, and a server uses it.
+        Conflict: It is to be migrated, and a server or a command works on it.
         StoreError: It cannot be opened, or was written by a newer version.
     """
     parsed = _parsed(url)
@@ -325,7 +322,7 @@ def open_database(
 
         def check() -> None:
             before_migration()
-            _refuse_while_served(engine)
+            refuse_while_used(_work_locks(engine))
 
         try:
             migrate(engine, before_migration=check)
@@ -333,15 +330,6 @@ def open_database(
             engine.dispose()
             raise
     return Database(engine, patience_s=patience_s)
-
-
-def _refuse_while_served(engine: Engine) -> None:
-    """Refuses to migrate a database of which a server on any machine has the older schema."""
-    if _work_locks(engine).is_any_held(WorkKind.SERVER):
-        raise Conflict(
-            "a server of an older version of Drivora uses this database, and this version would "
-            "migrate it; stop all servers on it first"
-        )
 
 
 def make_data_folder(folder: Path) -> None:

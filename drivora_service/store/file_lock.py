@@ -54,12 +54,19 @@ class FileLock:
             with _locking(path):
                 self._lock.acquire()
         except Timeout:
-            holder = path.read_text(errors="replace").strip()
-            raise Conflict(refusal(holder or "(unknown)")) from None
+            raise Conflict(refusal(holder_of(path))) from None
 
     def release(self) -> None:
         """Releases the lock."""
         self._lock.release()
+
+
+def holder_of(path: Path) -> str:
+    """Returns the id of the process that holds, or has held, the lock of a file."""
+    try:
+        return path.read_text(errors="replace").strip() or "(unknown)"
+    except FileNotFoundError:
+        return "(unknown)"
 
 
 def is_locked(path: Path) -> bool:

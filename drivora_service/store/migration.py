@@ -18,8 +18,9 @@ from sqlalchemy import (
     inspect,
     text,
 )
+from sqlalchemy.orm import Session
 
-from drivora_service.errors import StoreError
+from drivora_service.errors import Conflict, StoreError
 from drivora_service.store import (  # noqa: F401 # their tables
     campaign_tables,
     facet_tables,
@@ -69,13 +70,22 @@ def migrate(engine: Engine, *, before_migration: Callable[[], None] = lambda: No
             f"the database has schema {current!r}, which this version does not know; "
             "use the version that wrote it, or a newer one"
         )
-    if current:
-        before_migration()
-    upgrade(engine)
+    upgrade(engine, before_migration=before_migration)
 
 
-def upgrade(engine: Engine, revision: str = "head") -> None:
-    """Does the migrations up to a revision."""
+def upgrade(
+    engine: Engine,
+    revision: str = "head",
+    *,
+    before_migration: Callable[[], None] = lambda: None,
+) -> None:
+    """Does the migrations up to a revision.
+
+    Args:
+        engine: Of the database.
+        revision: The revision.
+        before_migration: As :func:`migrate` says.
+    """
     # Imported here: it takes a third of a second, and most databases have the newest schema.
     from alembic import command
 
@@ -83,7 +93,11 @@ def upgrade(engine: Engine, revision: str = "head") -> None:
         is_postgresql = connection.dialect.name == "postgresql"
         if is_postgresql:
             lock_schema(connection)
-        # Does nothing if another process has done it meanwhile.
+        # Another process may have done it meanwhile, and work on it already.
+        if _version_of(connection) not in ("", newest_revision()):
+            # No process can write now: what takes its lock after this check finds the new schema
+            # with its first transaction, see `refuse_other_schema`.
+            before_migration()
         command.upgrade(_config(connection), revision)
         if is_postgresql:
             give_types_of_sqlite(connection)
@@ -119,9 +133,30 @@ def revisions() -> tuple[str, ...]:
 def schema_version(engine: Engine) -> str:
     """Returns the schema revision of a database, or "" for an empty one."""
     with engine.connect() as connection:
-        if not inspect(connection).has_table("alembic_version"):
-            return ""
-        return connection.scalar(text("SELECT version_num FROM alembic_version")) or ""
+        return _version_of(connection)
+
+
+def refuse_other_schema(session: Session) -> None:
+    """Refuses to begin long work on a database that was migrated after it was opened.
+
+    For the first transaction after a lock of ``store.work_locks`` was taken: a migration looks for
+    these locks, and a process takes its lock some time after it has opened the database.
+
+    Raises:
+        Conflict: A newer version has migrated it.
+    """
+    found = session.scalar(text("SELECT version_num FROM alembic_version"))
+    if found != newest_revision():
+        raise Conflict(
+            f"a newer version of Drivora has just migrated the database to schema {found!r}; "
+            "use that version"
+        )
+
+
+def _version_of(connection: Connection) -> str:
+    if not inspect(connection).has_table("alembic_version"):
+        return ""
+    return connection.scalar(text("SELECT version_num FROM alembic_version")) or ""
 
 
 def _scripts() -> ScriptDirectory:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from drivora_service.errors import Conflict
-from drivora_service.store.file_lock import FileLock, is_locked
+from drivora_service.store.file_lock import FileLock, holder_of, is_locked
 
 _NAME = "server.lock"
 
@@ -48,8 +48,7 @@ def refuse_while_served(data_dir: Path) -> None:
     """
     path = data_dir / _NAME
     if path.is_file() and is_locked(path):
-        holder = path.read_text(errors="replace").strip() or "(unknown)"
         raise Conflict(
-            f"process {holder} serves {data_dir} with an older version of Drivora, and this "
-            "version would migrate its database; stop it first, or ask it with --server"
+            f"process {holder_of(path)} serves {data_dir} with an older version of Drivora, and "
+            "this version would migrate its database; stop it first, or ask it with --server"
         )

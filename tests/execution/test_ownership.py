@@ -16,6 +16,7 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.store.records import NewRun, Priority
 from drivora_service.store.tables import OwnerRow
 from tests.execution.owners import command, server
+from tests.postgresql_server import PostgresqlServer
 from tests.store.samples import new_run
 
 LOOK_S = 2.0
@@ -106,6 +107,70 @@ def test_nobody_is_dead_because_the_database_was_away(database: Database, tmp_pa
     assert status(database, run_id) is RunStatus.RUNNING
 
 
+@pytest.mark.parametrize(
+    ("is_locked", "limit_s"), [(True, HEARTBEAT_TIMEOUT_S), (False, LOCK_TIMEOUT_S)]
+)
+def test_a_command_with_another_data_folder_is_judged_by_its_lock_in_the_database(
+    postgresql: PostgresqlServer, tmp_path: Path, *, is_locked: bool, limit_s: float
+) -> None:
+    url = postgresql.create()
+    database, other = open_database(url), open_database(url)
+    clock = [0.0]
+    mine = Ownership(
+        database, RetryPolicy(), CommandLocks(tmp_path / "mine"), clock=lambda: clock[0]
+    )
+    theirs = command(other, tmp_path / "theirs")
+    mine.register()
+    theirs.register()
+    run_id = queued(database, theirs.owner_id)
+    assert claimed(database, theirs) == (run_id,)
+    if not is_locked:
+        # As its death does.
+        other.locks.close()
+    mine.beat(())
+    assert silence(
+        mine, clock, until=lambda: status(database, run_id) is RunStatus.CANCELLED
+    ) == pytest.approx(limit_s, abs=2 * LOOK_S)
+    for opened in (database, other):
+        opened.close()
+    postgresql.drop(url)
+
+
+def test_a_stopped_command_with_the_same_data_folder_is_alive(
+    postgresql: PostgresqlServer, tmp_path: Path
+) -> None:
+    url = postgresql.create()
+    database, other = open_database(url), open_database(url)
+    clock = [0.0]
+    mine = Ownership(database, RetryPolicy(), CommandLocks(tmp_path), clock=lambda: clock[0])
+    theirs = command(other, tmp_path)
+    mine.register()
+    theirs.register()
+    run_id = queued(database, theirs.owner_id)
+    for _ in range(60):
+        clock[0] += LOOK_S
+        mine.beat(())
+    assert status(database, run_id) is RunStatus.QUEUED
+    theirs.leave(())
+    for opened in (database, other):
+        opened.close()
+    postgresql.drop(url)
+
+
+def test_the_only_server_of_a_file_leaves_a_command_with_another_folder(
+    database: Database, tmp_path: Path
+) -> None:
+    theirs = command(database, tmp_path / "theirs")
+    theirs.register()
+    run_id = queued(database, theirs.owner_id)
+    mine = server(database, tmp_path / "mine")
+    mine.register()
+    mine.beat(())
+    assert status(database, run_id) is RunStatus.QUEUED
+    theirs.leave(())
+    assert not list(tmp_path.rglob("command-*.lock"))
+
+
 def silence(mine: Ownership, clock: list[float], until: Callable[[], bool]) -> float:
     """Looks as a server does, until something is so; returns the seconds."""
     begun = clock[0]
@@ -179,4 +244,5 @@ input()
     other.beat(())
     assert {status(database, run) for run in (waiting, running_one[0])} == {RunStatus.CANCELLED}
     assert not list((tmp_path / "commands").iterdir())
+    assert not list((tmp_path / "locks").iterdir())
     database.close()

@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 from sqlalchemy import text
@@ -20,13 +21,15 @@ from drivora_service.store.work_locks import LongWork, WorkKind
 CAMPAIGN = LongWork(WorkKind.CAMPAIGN, "01a2")
 OTHER = LongWork(WorkKind.CAMPAIGN, "01a3")
 STUDY = LongWork(WorkKind.STUDY, "01a2")
+COMMAND = LongWork.command("01a2")
 _LONGEST_S = 10.0
 
 _HOLDING = """
 import sys, time
-from drivora_service.store.database import open_database
+from sqlalchemy import create_engine
+from drivora_service.store.database import Database
 from drivora_service.store.work_locks import LongWork, WorkKind
-held = open_database(sys.argv[1]).locks.hold(LongWork(WorkKind.CAMPAIGN, sys.argv[2]))
+held = Database(create_engine(sys.argv[1])).locks.hold(LongWork(WorkKind(sys.argv[2]), sys.argv[3]))
 print("held", flush=True)
 time.sleep(3600)
 """
@@ -36,7 +39,7 @@ time.sleep(3600)
 def holding_process(url: str, work: LongWork) -> Iterator[subprocess.Popen[bytes]]:
     """Lets another process hold a lock; kills it in the end."""
     with subprocess.Popen(
-        [sys.executable, "-c", _HOLDING, url, work.id], stdout=subprocess.PIPE
+        [sys.executable, "-c", _HOLDING, url, work.kind, work.id], stdout=subprocess.PIPE
     ) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == b"held\n"
@@ -135,6 +138,78 @@ def test_a_lost_lock_that_another_has_taken_stays_with_it(
     assert database.locks.is_held(CAMPAIGN)
     taken.release()
     assert not database.locks.is_held(CAMPAIGN)
+
+
+def test_a_lost_lock_is_tried_again_until_it_is_free(database: Database, other: Database) -> None:
+    """As when the server still has the session of a connection that has ended on this side."""
+    held, also = database.locks.hold(CAMPAIGN), database.locks.hold(STUDY)
+    if database.engine.dialect.name == "sqlite":
+        held.release()
+        also.release()
+        pytest.skip("a file's lock is lost with its process only")
+    lose_connections(other)
+    taken = other.locks.hold(CAMPAIGN)
+    for _ in range(2):
+        database.locks.keep()
+    assert other.locks.is_held(STUDY)
+    taken.release()
+    assert not other.locks.is_held(CAMPAIGN)
+    database.locks.keep()
+    assert other.locks.is_held(CAMPAIGN)
+    # Held once, however often it was tried.
+    database.locks.keep()
+    held.release()
+    assert not other.locks.is_held(CAMPAIGN)
+    also.release()
+
+
+def test_a_lost_lock_that_is_released_is_not_taken_again(
+    database: Database, other: Database
+) -> None:
+    lost, also = database.locks.hold(CAMPAIGN), database.locks.hold(STUDY)
+    if database.engine.dialect.name == "sqlite":
+        lost.release()
+        also.release()
+        pytest.skip("a file's lock is lost with its process only")
+    lose_connections(other)
+    taken = other.locks.hold(CAMPAIGN)
+    database.locks.keep()
+    lost.release()
+    taken.release()
+    database.locks.keep()
+    assert not other.locks.is_held(CAMPAIGN)
+    also.release()
+
+
+def test_holders_are_named_by_kind(database: Database, other: Database) -> None:
+    held, also = database.locks.hold(CAMPAIGN), other.locks.hold(OTHER)
+    (holder,) = other.locks.holders(WorkKind.CAMPAIGN)
+    assert holder.startswith(f"process {os.getpid()}")
+    assert other.locks.holders(WorkKind.STUDY) == ()
+    held.release()
+    also.release()
+
+
+def test_a_command_leaves_no_file(sqlite_database: Database, tmp_path: Path) -> None:
+    locks = sqlite_database.locks
+    held = locks.hold(COMMAND)
+    assert locks.is_held(COMMAND)
+    assert len(lock_files(tmp_path)) == 1
+    held.release()
+    assert not locks.is_held(COMMAND)
+    assert lock_files(tmp_path) == []
+    with holding_process(str(sqlite_database.engine.url), COMMAND) as process:
+        process.kill()
+        process.wait()
+    assert len(lock_files(tmp_path)) == 1
+    assert locks.holders(WorkKind.COMMAND) == ()
+    locks.forget(COMMAND)
+    assert lock_files(tmp_path) == []
+
+
+def lock_files(folder: Path) -> list[Path]:
+    """The lock files of commands."""
+    return list(folder.rglob("command-*.lock"))
 
 
 def lose_connections(database: Database) -> None:
