@@ -113,13 +113,13 @@ def test_a_process_that_waits_for_a_migration_is_not_refused_by_its_work(
 
     def begin_work() -> None:
         """Within the migration: the work that the migrating process begins after it."""
+        locks.hold(LongWork.server("01a2"))
         other.start()
         until = time.monotonic() + _LONGEST_S
         with engine.connect() as connection:
             while not connection.scalar(text("SELECT 1 FROM pg_locks WHERE NOT granted LIMIT 1")):
                 assert time.monotonic() < until
                 time.sleep(0.02)
-        locks.hold(LongWork.server("01a2"))
 
     upgrade(engine, before_migration=begin_work)
     other.join()
