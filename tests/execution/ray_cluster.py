@@ -15,6 +15,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import psutil
+
 _ROOT = Path(__file__).resolve().parents[2]
 _END_S = 60.0
 
@@ -98,6 +100,44 @@ def ray_cluster(*cpus: int) -> Iterator[Cluster]:
             yield cluster
         finally:
             cluster.end()
+
+
+@contextmanager
+def supervised_node(*options: str, folder: Path) -> Iterator[psutil.Process]:
+    """Starts a node as an operator does, and again whenever it ends, as a supervisor does.
+
+    Args:
+        options: Options of ``ray start``.
+        folder: Folder of Ray's temporary files, with a short path.
+
+    Yields:
+        The supervisor, which is killed with the node at the end.
+    """
+    start = [str(Path(sys.executable).parent / "ray"), "start", *options, "--block"]
+    start.append("--object-store-memory=80000000")
+    with (folder / "ray-start.log").open("ab") as log:
+        process = subprocess.Popen(
+            ["sh", "-c", 'while true; do "$@"; sleep 1; done', "sh", *start],
+            env={**os.environ, **ENVIRONMENT, "RAY_TMPDIR": str(folder)},
+            stdout=log,
+            stderr=subprocess.STDOUT,
+        )
+    supervisor = psutil.Process(process.pid)
+    try:
+        yield supervisor
+    finally:
+        # It starts nothing while its processes are listed.
+        supervisor.suspend()
+        kill_node(supervisor)
+        process.kill()
+        process.wait()
+
+
+def kill_node(supervisor: psutil.Process) -> None:
+    """Kills all processes of a node, which its supervisor then starts again."""
+    for one in supervisor.children(recursive=True):
+        with contextlib.suppress(psutil.NoSuchProcess):
+            one.kill()
 
 
 def main() -> None:

@@ -13,11 +13,11 @@ import time
 from multiprocessing.connection import Connection
 from typing import Any
 
+from drivora_service.execution.ray.local_node import explain, require_local_node
 from drivora_service.execution.ray.messages import (
     ClusterSetup,
     FromCluster,
     Members,
-    NotConnected,
     ToCluster,
 )
 from drivora_service.execution.ray.node_link import NodeLink
@@ -47,8 +47,11 @@ def drive(setup: ClusterSetup, pipe: Connection) -> None:
     os.setsid()
     _print_to(setup)
     os.environ.update(_ENVIRONMENT)
+    is_reached = False
     try:
         reach(setup.address)
+        is_reached = setup.address != "auto"
+        require_local_node(setup.address)
         import ray
 
         ray.init(
@@ -57,8 +60,7 @@ def drive(setup: ClusterSetup, pipe: Connection) -> None:
             configure_logging=False,
         )
     except Exception as error:
-        text = str(error).strip() or type(error).__name__
-        pipe.send(NotConnected(reason=text.splitlines()[0].rstrip(".")))
+        pipe.send(explain(error, setup.address, is_reached=is_reached))
         return
     _Driver(setup, pipe).serve()
 

@@ -267,8 +267,7 @@ class RayExecutor:
                 self._faults.over("ray_cluster_lost", "ray_cluster_connected")
             case NotConnected():
                 raise ConnectionLostError(
-                    f"the Ray cluster at {self._setup.address} cannot be reached: "
-                    f"{message.reason}; start it, or correct DRIVORA_RAY_ADDRESS"
+                    f"the Ray cluster at {self._setup.address} {message.reason}"
                 )
         if self._members is not None:
             faults = placement.faults

@@ -125,10 +125,10 @@ class Members:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NotConnected:
-    """The cluster cannot be reached; the process ends.
+    """The cluster cannot be used; the process ends.
 
     Attributes:
-        reason: What was found.
+        reason: What was found and what to do, as the rest of a sentence about the cluster.
     """
 
     reason: str

@@ -1,0 +1,159 @@
+"""A Ray cluster whose head ends and is started again, and a machine that is no node of it."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import psutil
+import pytest
+
+from drivora_service.execution.ray.executor import RayExecutor
+from drivora_service.execution.ray.local_node import explain
+from drivora_service.runs.report import RunSpec, RunStatus
+from tests.execution.attempts import LIMITS, TASKS, pid_of, run, wait_for
+from tests.execution.ray_cluster import kill_node, supervised_node
+
+_LONG_S = 300.0
+_ALONE = ("unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc")
+"""Runs a command on what is a machine of its own to Ray, which looks for a node's processes."""
+_FAULT = """
+import sys, time
+from pathlib import Path
+from drivora_service.execution.ray.executor import RayExecutor
+with RayExecutor(address=sys.argv[1], setup="", folder=Path(sys.argv[2])) as executor:
+    while not executor.fault:
+        time.sleep(0.05)
+    print(executor.fault)
+"""
+
+
+def until(holds: Callable[[], object]) -> None:
+    limit = time.monotonic() + _LONG_S
+    while not holds():
+        assert time.monotonic() < limit
+        time.sleep(0.05)
+
+
+@pytest.fixture
+def folder() -> Iterator[Path]:
+    """A folder for Ray, whose sockets have short paths."""
+    with tempfile.TemporaryDirectory(prefix="ray-", ignore_cleanup_errors=True) as path:
+        yield Path(path)
+
+
+@pytest.fixture
+def address() -> str:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"127.0.0.1:{probe.getsockname()[1]}"
+
+
+def head(address: str) -> tuple[str, ...]:
+    return (
+        "--head",
+        f"--port={address.rpartition(':')[2]}",
+        "--num-cpus=0",
+        "--include-dashboard=false",
+    )
+
+
+def raylets(*supervisors: psutil.Process) -> list[psutil.Process]:
+    """Returns the process of each node that runs."""
+    found = []
+    for supervisor in supervisors:
+        for one in supervisor.children(recursive=True):
+            with contextlib.suppress(psutil.NoSuchProcess):
+                if one.name() == "raylet":
+                    found.append(one)
+    return found
+
+
+@pytest.mark.slow(seconds=90)
+def test_runs_are_performed_again_after_the_head_was_started_again(
+    address: str, folder: Path, tmp_path: Path
+) -> None:
+    def node(*options: str) -> psutil.Process:
+        return parts.enter_context(supervised_node(*options, folder=folder))
+
+    with ExitStack() as parts:
+        first = node(*head(address))
+        # The one of the machine of the executor, and one that performs runs.
+        others = [node(f"--address={address}", f"--num-cpus={cpus}") for cpus in (0, 1)]
+        executor = parts.enter_context(
+            RayExecutor(
+                address=address,
+                setup="",
+                folder=tmp_path,
+                limits=LIMITS,
+                perform=TASKS,
+                warm_up="",
+            )
+        )
+        until(lambda: executor.slots() and len(raylets(*others)) == 2)
+        before = {slot.name for slot in executor.slots()}
+        old = raylets(*others)
+        assert run(executor, "sleep 0").report.status is RunStatus.FINISHED
+        executor.submit(RunSpec(run_id="lost", document="hangs"))
+        pid_of(executor, "lost")
+
+        kill_node(first)
+        until(lambda: executor.fault)
+        (end,) = wait_for(executor, 1)
+        assert end.report.status is RunStatus.INFRASTRUCTURE_FAILED
+        executor.submit(RunSpec(run_id="waiting", document="sleep 0"))
+
+        # The head is started again, at the same address. The other nodes end, as nodes of the
+        # cluster that is gone, and are started again as nodes of the new one.
+        until(lambda: not any(one.is_running() for one in old))
+        until(executor.slots)
+        (end,) = wait_for(executor, 1)
+        assert (end.report.run_id, end.report.status) == ("waiting", RunStatus.FINISHED)
+        assert executor.fault == ""
+        assert before.isdisjoint(slot.name for slot in executor.slots())
+        until(lambda: len(raylets(*others)) == 2)
+
+
+@pytest.mark.slow(seconds=60)
+def test_a_machine_that_is_no_node_is_told_to_become_one(
+    address: str, folder: Path, tmp_path: Path
+) -> None:
+    if subprocess.run([*_ALONE, "true"], capture_output=True, check=False).returncode:
+        pytest.skip("this system gives no namespace of processes")
+    with supervised_node(*head(address), folder=folder):
+        command = [*_ALONE, sys.executable, "-c", _FAULT, address, str(tmp_path)]
+        deadline = time.monotonic() + _LONG_S
+        while True:
+            done = subprocess.run(
+                command, capture_output=True, text=True, check=True, timeout=_LONG_S
+            )
+            if "refused" not in done.stdout:
+                break
+            # The head is starting.
+            assert time.monotonic() < deadline
+    assert done.stdout.strip() == (
+        f"the Ray cluster at {address} answers, but this machine is no node of it: run "
+        f"`ray start --address={address} --num-cpus=0` here"
+    )
+
+
+def test_what_ray_does_not_explain_names_both_causes() -> None:
+    error = ConnectionError("Failed to connect to Ray cluster at here:1")
+    reason = explain(error, "here:1", is_reached=True).reason
+    assert "Failed to connect" in reason
+    assert "`ray start --address=here:1 --num-cpus=0`" in reason
+    # Ray itself has it in the cause of its error.
+    error.__cause__ = RuntimeError("No node info found matching attributes: ''")
+    for is_reached in (True, False):
+        assert (
+            "this machine is no node of it" in explain(error, "auto", is_reached=is_reached).reason
+        )
+    refused = explain(ConnectionRefusedError("refused"), "here:1", is_reached=False).reason
+    assert refused == "cannot be reached: refused; start it, or correct DRIVORA_RAY_ADDRESS"
