@@ -50,14 +50,21 @@ RUN PYTHONDONTWRITEBYTECODE= NUMBA_CACHE_DIR=/kernels /opt/drivora/bin/drivora d
 
 FROM system
 RUN useradd --create-home --uid 10001 drivora && install -d -o drivora -g drivora /data
+# A login shell sets PATH anew; KubeRay before 1.4 starts containers by one.
+RUN echo 'export PATH=/opt/drivora/bin:$PATH' > /etc/profile.d/drivora.sh
 COPY --from=build /opt/drivora /opt/drivora
 COPY --from=build --chown=10001:10001 /kernels /home/drivora/.cache/numba
+# Ray, where it is installed: it sends no statistics, its workers have the priority of all other
+# processes, and it ends none for its memory, which Drivora limits.
 ENV PATH=/opt/drivora/bin:$PATH \
     PYTHONUNBUFFERED=1 \
     NUMBA_CACHE_DIR=/home/drivora/.cache/numba \
     DRIVORA_DATA_DIR=/data \
     DRIVORA_HOST=0.0.0.0 \
-    DRIVORA_LOG_FORMAT=json
+    DRIVORA_LOG_FORMAT=json \
+    RAY_USAGE_STATS_ENABLED=0 \
+    RAY_worker_niceness=0 \
+    RAY_memory_monitor_refresh_ms=0
 USER drivora
 WORKDIR /home/drivora
 VOLUME /data

@@ -201,6 +201,10 @@ def _try_image(container: Buildah | Docker, most_mb: float, log: Path) -> None:
     print(f"smoke: drivora {version}, user {user}")
     if user != "10001":
         raise Failed(f"the image runs as the user {user}, not as 10001")
+    program = container.run("bash", "-lc", "command -v drivora || true")
+    print(f"smoke: a login shell finds {program or 'no program'}")
+    if not program:
+        raise Failed("a login shell does not find the program: /etc/profile.d/drivora.sh")
     orphan = container.python(_ORPHAN)
     print(f"smoke: a process without a parent is {orphan}")
     if orphan != "reaped":
