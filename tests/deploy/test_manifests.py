@@ -6,6 +6,7 @@ name.
 
 from __future__ import annotations
 
+import os
 import re
 import signal
 import subprocess
@@ -137,19 +138,184 @@ def test_settings_that_manifests_name_exist(deploy: Path) -> None:
     known |= {"DRIVORA_DATABASE_PASSWORD", "DRIVORA_MEMORY"}
     # Of the script for Slurm.
     known |= {"DRIVORA_ENVIRONMENT"}
-    for folder in ("compose", "kubernetes", "slurm"):
+    for folder in ("compose", "kubernetes", "slurm", "systemd"):
         for path in (deploy / folder).iterdir():
             named = set(re.findall(r"\bDRIVORA_[A-Z_]+\b", path.read_text()))
             assert {one for one in named if not one.endswith("_")} <= known, path
 
 
-def test_one_version_of_ray_is_named(deploy: Path) -> None:
+def test_one_version_of_ray_is_named(deploy: Path, repository: Path) -> None:
     texts = [path.read_text() for path in deploy.rglob("*") if path.suffix in (".yaml", ".md")]
     named = {
         found for text in texts for found in re.findall(r"ray(?:\[default\])?==([\d.]+\d)", text)
     }
     (cluster,) = (one for one in manifests(deploy, "ray") if one["kind"] == "RayCluster")
     assert named == {cluster["spec"]["rayVersion"]}
+    # That by which the tests of the executor start their clusters.
+    tested = re.findall(
+        r"^ray==([\d.]+)", (repository / "requirements" / "dev.txt").read_text(), re.M
+    )
+    assert named == set(tested)
+
+
+def test_only_nodes_reach_the_ports_of_ray(deploy: Path) -> None:
+    resources = manifests(deploy, "ray")
+    (server,) = (one for one in resources if one["kind"] == "Deployment")
+    (cluster,) = (one for one in resources if one["kind"] == "RayCluster")
+    policies = {
+        one["metadata"]["name"]: one["spec"] for one in resources if one["kind"] == "NetworkPolicy"
+    }
+    assert all(one["policyTypes"] == ["Ingress"] for one in policies.values())
+    # The label that the operator gives the pods, and names that it does not use for its policies.
+    nodes = {"matchLabels": {"ray.io/cluster": cluster["metadata"]["name"]}}
+    servers = {"matchLabels": server["spec"]["template"]["metadata"]["labels"]}
+    assert policies.keys() == {"drivora-ray", "drivora-server"}
+    assert policies["drivora-ray"]["podSelector"] == nodes
+    assert policies["drivora-ray"]["ingress"] == [
+        {"from": [{"podSelector": nodes}, {"podSelector": servers}]}
+    ]
+    assert policies["drivora-server"]["podSelector"] == servers
+    assert policies["drivora-server"]["ingress"] == [
+        {"from": [{"podSelector": nodes}]},
+        {"ports": [{"port": "http"}]},
+    ]
+    # Its page runs what it is told to.
+    assert cluster["spec"]["headGroupSpec"]["rayStartParams"]["include-dashboard"] == "false"
+    compose = yaml.safe_load((deploy / "compose" / "ray.yaml").read_text())
+    assert "--include-dashboard=false" in compose["services"]["head"]["command"]
+
+
+_RAY_MIB = 2048
+"""What Ray takes on a node, with its object store and the process of the slots."""
+
+
+def test_the_memory_of_nodes_suffices_for_all_limits_of_drivora(deploy: Path) -> None:
+    services = yaml.safe_load((deploy / "compose" / "ray.yaml").read_text())["services"]
+    limits = services["drivora"]["environment"]
+    options = dict(
+        one.removeprefix("--").split("=", 1) for one in services["node"]["command"] if "=" in one
+    )
+    assert mib(default(services["node"]["mem_limit"])) == needed_mib(
+        int(default(options["num-cpus"])),
+        limits["DRIVORA_MEMORY_LIMIT_MB"],
+        limits["DRIVORA_AGENT_MEMORY_MB"],
+    )
+    for service in services.values():
+        assert "mem_limit" in service
+        command = " ".join(service["command"])
+        (store,) = re.findall(r"--object-store-memory=(\d+)", command)
+        assert int(store) <= mib(service["shm_size"]) << 20
+
+    resources = manifests(deploy, "ray")
+    (server,) = (one for one in resources if one["kind"] == "Deployment")
+    (cluster,) = (one for one in resources if one["kind"] == "RayCluster")
+    (container,) = server["spec"]["template"]["spec"]["containers"]
+    variables = {one["name"]: one.get("value") for one in container["env"]}
+    (group,) = cluster["spec"]["workerGroupSpecs"]
+    (node,) = group["template"]["spec"]["containers"]
+    assert mib(node["resources"]["limits"]["memory"]) == needed_mib(
+        int(group["rayStartParams"]["num-cpus"]),
+        int(variables["DRIVORA_MEMORY_LIMIT_MB"]),
+        int(variables["DRIVORA_AGENT_MEMORY_MB"]),
+    )
+    for part in (cluster["spec"]["headGroupSpec"], group):
+        assert int(part["rayStartParams"]["object-store-memory"]) << 2 < _RAY_MIB << 20
+    # The limits of the manifests are those of the service that is not told any.
+    assert Settings.model_fields["memory_limit_mb"].default == limits["DRIVORA_MEMORY_LIMIT_MB"]
+    assert Settings.model_fields["agent_memory_mb"].default == limits["DRIVORA_AGENT_MEMORY_MB"]
+    page = (deploy / "README.md").read_text()
+    assert "`4 * (2048 + 4096) + 2048` MiB = 26 GiB" in page
+    assert needed_mib(4, 2048, 4096) == 26 << 10
+
+
+def needed_mib(slots: int, worker_mib: int, ads_mib: int) -> int:
+    """Returns the memory of a node whose workers and ADSs all use what they may."""
+    return slots * (worker_mib + ads_mib) + _RAY_MIB
+
+
+def mib(size: str) -> int:
+    """Returns a size as Compose or Kubernetes writes it."""
+    number, unit = re.fullmatch(r"(\d+)(g|Gi|m|Mi)", size).groups()  # type: ignore[union-attr]
+    return int(number) << (10 if unit[0].lower() == "g" else 0)
+
+
+def default(value: str) -> str:
+    """Returns the value of a variable of Compose that is not set."""
+    return re.sub(r"\$\{\w+:-(.*)\}", r"\1", value)
+
+
+def test_the_image_tells_ray_what_nodes_need(repository: Path, deploy: Path) -> None:
+    last = (repository / "Dockerfile").read_text().rpartition("\nFROM ")[2]
+    page = (repository / "docs" / "how-to" / "use-a-cluster.md").read_text()
+    wanted = {"USAGE_STATS_ENABLED", "worker_niceness", "memory_monitor_refresh_ms"}
+    assert set(re.findall(r"RAY_(\w+)=0\b", last)) == wanted
+    exported = re.findall(r"export (RAY_.*)", page)
+    assert len(exported) == 3
+    for line in exported:
+        assert set(re.findall(r"RAY_(\w+)=0\b", line)) == wanted
+    # Nothing in the manifests takes it back.
+    for path in (deploy / "compose" / "ray.yaml", deploy / "kubernetes" / "ray.yaml"):
+        assert "RAY_" not in path.read_text().replace("DRIVORA_RAY_ADDRESS", "")
+
+
+def commands_of_servers(deploy: Path) -> list[str]:
+    """Returns what the servers with Ray run, for a shell."""
+    compose = yaml.safe_load((deploy / "compose" / "ray.yaml").read_text())["services"]["drivora"]
+    (server,) = (one for one in manifests(deploy, "ray") if one["kind"] == "Deployment")
+    (container,) = server["spec"]["template"]["spec"]["containers"]
+    assert compose["entrypoint"] == container["command"] == ["tini", "--", "sh", "-c"]
+    # Compose replaces variables unless their sign is doubled.
+    (in_compose,), (in_kubernetes,) = compose["command"], container["args"]
+    return [in_compose.replace("$$", "$"), in_kubernetes]
+
+
+def test_the_node_of_a_server_is_started_again_and_the_server_goes_on(
+    deploy: Path, tmp_path: Path
+) -> None:
+    command, same = commands_of_servers(deploy)
+    assert command == same
+    programs = {
+        "ray": 'echo "$*" >> "$JOB/ray"',
+        "drivora": """
+            echo "$*" >> "$JOB/drivora"
+            trap 'echo stopped >> "$JOB/drivora"; exit 7' TERM
+            while true; do sleep; done
+        """,
+        # The pause between two starts.
+        "sleep": "exec /bin/sleep 0.1",
+    }
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    for name, script in programs.items():
+        (folder / name).write_text(f"#!/usr/bin/env bash\n{script}\n")
+        (folder / name).chmod(0o755)
+    variables = {
+        "PATH": f"{folder}:/usr/bin:/bin",
+        "JOB": str(tmp_path),
+        "DRIVORA_RAY_ADDRESS": "head:6379",
+    }
+    server = subprocess.Popen(["sh", "-c", command], env=variables, start_new_session=True)
+    try:
+        until_lines(tmp_path / "ray", 3)
+        until_lines(tmp_path / "drivora", 1)
+        # The init of the container tells its only child.
+        server.send_signal(signal.SIGTERM)
+        assert server.wait(30) == 7
+    finally:
+        # As the end of a container does.
+        os.killpg(server.pid, signal.SIGKILL)
+    assert (tmp_path / "drivora").read_text() == "serve\nstopped\n"
+    assert set((tmp_path / "ray").read_text().splitlines()) == {
+        "start --address=head:6379 --num-cpus=0 --object-store-memory=209715200 --block"
+    }
+
+
+def until_lines(path: Path, count: int) -> None:
+    """Waits until a file has that many lines."""
+    ends = time.monotonic() + 60
+    while not path.is_file() or path.read_text().count("\n") < count:
+        assert time.monotonic() < ends
+        time.sleep(0.05)
 
 
 def test_shell_scripts_have_no_finding(deploy: Path) -> None:
