@@ -118,11 +118,16 @@ class StoreJournal:
             transaction.evaluations.group(self._campaign_id, groups)
 
     def requested(self) -> CampaignRequest:
-        """Returns the pending request to the campaign, as it was a moment ago."""
+        """Returns the pending request to the campaign, as it was a moment ago.
+
+        Takes locks of this process again that were lost with a connection: in a command, nothing
+        else does so while a campaign or a study runs.
+        """
         now = self._clock()
         if now < self._look_at:
             return self._seen
         self._look_at = now + _LOOK_S
+        self._database.locks.keep()
         changes = self._database.changes.value()
         if changes is None or changes != self._changes:
             self._changes = changes

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
+from sqlalchemy import make_url
 
 from drivora_service.campaigns.confirming import confirm_failures, group_failures
 from drivora_service.campaigns.journal import Journal, MemoryJournal
@@ -17,8 +18,10 @@ from drivora_service.store.campaign_records import (
     EvaluationRecord,
     NewCampaign,
 )
-from drivora_service.store.database import Database
+from drivora_service.store.database import Database, open_database
+from drivora_service.store.work_locks import LongWork
 from tests.campaigns.analytic import Computed, run, sequence
+from tests.postgresql_server import PostgresqlServer
 
 Make = Callable[[], Journal]
 
@@ -180,3 +183,26 @@ def test_a_request_is_seen_soon(database: Database) -> None:
     assert journal.requested() is CampaignRequest.NONE
     now = 0.6
     assert journal.requested() is CampaignRequest.PAUSE
+
+
+def test_a_command_takes_the_lost_lock_of_its_campaign_again(postgresql: PostgresqlServer) -> None:
+    url = postgresql.create()
+    database, other = open_database(url), open_database(url)
+    campaign_id, seconds = stored_id(database), iter(range(0, 100, 10))
+    work = LongWork.campaign(campaign_id)
+    held = database.locks.hold(work)
+    journal = StoreJournal(database, campaign_id, clock=lambda: float(next(seconds)))
+    journal.requested()
+    # As a restart of the server does.
+    postgresql.execute(
+        "SELECT pg_terminate_backend(pid, 10000) FROM pg_stat_activity "
+        f"WHERE datname = '{make_url(url).database}'"
+    )
+    assert not other.locks.is_held(work)
+    journal.requested()
+    assert other.locks.is_held(work)
+    held.release()
+    assert not other.locks.is_held(work)
+    for one in (database, other):
+        one.close()
+    postgresql.drop(url)
