@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import copy
-import threading
-import time
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from drivora_service.api.examples import SCENARIO
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
@@ -21,13 +22,17 @@ from drivora_service.worker.setup import WorkerSetup
 NETWORK = shipped_networks() / "tee-town" / "tee-town.net.xml"
 
 
-def replace_during_a_run(reader: BoardReader, other: Path, path: Path) -> None:
-    """Replaces the file of a network once a run has begun its steps."""
-    deadline = time.monotonic() + 60.0
-    while reader.read().step < 1:
-        assert time.monotonic() < deadline
-        time.sleep(0.0005)
-    other.replace(path)
+class ReplacingCells(np.ndarray[tuple[int], np.dtype[np.int64]]):
+    """Cells of a board: with the first step of a run, a file takes the place of another."""
+
+    files: tuple[Path, Path] | None = None
+
+    def __setitem__(self, place: Any, value: Any) -> None:
+        super().__setitem__(place, value)
+        if self[1] >= 1 and self.files is not None:
+            other, path = self.files
+            self.files = None
+            other.replace(path)
 
 
 def test_its_run_has_no_result_and_the_next_one_has(tmp_path: Path) -> None:
@@ -46,13 +51,13 @@ def test_its_run_has_no_result_and_the_next_one_has(tmp_path: Path) -> None:
     assert perform(spec, setup, board).status is RunStatus.FINISHED
     first = read_trace(trace).network_sha256
 
-    board.cells[:] = 0
     other = tmp_path / "other.net.xml"
     other.write_text(NETWORK.read_text().replace("</net>", "<!-- again --></net>"))
-    replacing = threading.Thread(target=replace_during_a_run, args=(reader, other, path))
-    replacing.start()
+    board.cells = cells = board.cells.view(ReplacingCells)
+    cells[:] = 0
+    cells.files = other, path
     report = perform(spec, setup, board)
-    replacing.join()
+    assert not other.exists()
     assert report.status is RunStatus.INFRASTRUCTURE_FAILED
     assert report.failure is not None
     assert report.failure.cause == "network_replaced"
