@@ -108,17 +108,19 @@ def supervised_node(*options: str, folder: Path) -> Iterator[psutil.Process]:
 
     Args:
         options: Options of ``ray start``.
-        folder: Folder of Ray's temporary files, with a short path.
+        folder: A folder with a short path, in which the node has one for its temporary files: nodes
+            that share one and start at the same time take the same sockets.
 
     Yields:
         The supervisor, which is killed with the node at the end.
     """
     start = [str(Path(sys.executable).parent / "ray"), "start", *options, "--block"]
     start.append("--object-store-memory=80000000")
+    own = tempfile.mkdtemp(dir=folder)
     with (folder / "ray-start.log").open("ab") as log:
         process = subprocess.Popen(
             ["sh", "-c", 'while true; do "$@"; sleep 1; done', "sh", *start],
-            env={**os.environ, **ENVIRONMENT, "RAY_TMPDIR": str(folder)},
+            env={**os.environ, **ENVIRONMENT, "RAY_TMPDIR": own},
             stdout=log,
             stderr=subprocess.STDOUT,
         )

@@ -66,6 +66,13 @@ def head(address: str) -> tuple[str, ...]:
     )
 
 
+def answers(address: str) -> bool:
+    """Tells whether something listens at an address."""
+    host, _, port = address.rpartition(":")
+    with socket.socket() as probe:
+        return probe.connect_ex((host, int(port))) == 0
+
+
 def raylets(*supervisors: psutil.Process) -> list[psutil.Process]:
     """Returns the process of each node that runs."""
     found = []
@@ -93,6 +100,7 @@ def test_runs_are_performed_again_after_the_head_was_started_again(
 
     with ExitStack() as parts:
         first = node(*head(address))
+        until(lambda: answers(address))
         # The one of the machine of the executor, and one that performs runs.
         others = [node(f"--address={address}", f"--num-cpus={cpus}") for cpus in (0, 1)]
         executor = parts.enter_context(
