@@ -262,7 +262,7 @@ def test_the_end_of_a_connection_is_noted_once_at_most(
 ) -> None:
     submit(database, 1)
     name = database_name(url)
-    end = f"SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = '{name}'"
+    end = f"SELECT pg_terminate_backend(pid, 10000) FROM pg_stat_activity WHERE datname = '{name}'"
 
     def lose() -> None:
         with database.write() as transaction:
