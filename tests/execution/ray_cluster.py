@@ -10,7 +10,8 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -78,6 +79,14 @@ class Cluster:
         answer = self._process.stdout.readline()
         assert answer.startswith("> "), answer
         return answer.removeprefix("> ").strip()
+
+
+def until(holds: Callable[[], object], *, within_s: float = 180.0) -> None:
+    """Waits until something holds on the cluster."""
+    limit = time.monotonic() + within_s
+    while not holds():
+        assert time.monotonic() < limit
+        time.sleep(0.05)
 
 
 @contextmanager

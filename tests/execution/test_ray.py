@@ -6,8 +6,7 @@ import contextlib
 import copy
 import json
 import threading
-import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -36,20 +35,12 @@ from drivora_service.store.campaign_records import EvaluationRecord
 from drivora_service.worker.setup import WorkerSetup
 from tests.campaigns.analytic import sequence
 from tests.execution.attempts import LIMITS, TASKS, failure_of, pid_of, run, wait_for
-from tests.execution.ray_cluster import Cluster, ray_cluster
+from tests.execution.ray_cluster import Cluster, ray_cluster, until
 from tests.forked_service import forked_service
 
 pytestmark = pytest.mark.slow(seconds=10)
 
 SETUP = WorkerSetup(shipped_networks=shipped_networks())
-_LONG_S = 180.0
-
-
-def until(holds: Callable[[], object]) -> None:
-    limit = time.monotonic() + _LONG_S
-    while not holds():
-        assert time.monotonic() < limit
-        time.sleep(0.05)
 
 
 @contextlib.contextmanager

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +20,7 @@ from drivora_service.execution.ray.executor import RayExecutor
 from drivora_service.execution.ray.local_node import explain
 from drivora_service.runs.report import RunSpec, RunStatus
 from tests.execution.attempts import LIMITS, TASKS, pid_of, run, wait_for
-from tests.execution.ray_cluster import kill_node, supervised_node
+from tests.execution.ray_cluster import kill_node, supervised_node, until
 
 _LONG_S = 300.0
 _ALONE = ("unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc")
@@ -34,13 +34,6 @@ with RayExecutor(address=sys.argv[1], setup="", folder=Path(sys.argv[2])) as exe
         time.sleep(0.05)
     print(executor.fault)
 """
-
-
-def until(holds: Callable[[], object]) -> None:
-    limit = time.monotonic() + _LONG_S
-    while not holds():
-        assert time.monotonic() < limit
-        time.sleep(0.05)
 
 
 @pytest.fixture
@@ -100,7 +93,7 @@ def test_runs_are_performed_again_after_the_head_was_started_again(
 
     with ExitStack() as parts:
         first = node(*head(address))
-        until(lambda: answers(address))
+        until(lambda: answers(address), within_s=_LONG_S)
         # The one of the machine of the executor, and one that performs runs.
         others = [node(f"--address={address}", f"--num-cpus={cpus}") for cpus in (0, 1)]
         executor = parts.enter_context(
@@ -114,7 +107,7 @@ def test_runs_are_performed_again_after_the_head_was_started_again(
                 warm_up="",
             )
         )
-        until(lambda: executor.slots() and len(raylets(*others)) == 2)
+        until(lambda: executor.slots() and len(raylets(*others)) == 2, within_s=_LONG_S)
         before = {slot.name for slot in executor.slots()}
         old = raylets(*others)
         assert run(executor, "sleep 0").report.status is RunStatus.FINISHED
@@ -122,20 +115,20 @@ def test_runs_are_performed_again_after_the_head_was_started_again(
         pid_of(executor, "lost")
 
         kill_node(first)
-        until(lambda: executor.fault)
+        until(lambda: executor.fault, within_s=_LONG_S)
         (end,) = wait_for(executor, 1)
         assert end.report.status is RunStatus.INFRASTRUCTURE_FAILED
         executor.submit(RunSpec(run_id="waiting", document="sleep 0"))
 
         # The other nodes end, as nodes of a cluster that is gone; on one machine, the head is not
         # started again before they have. Then all are nodes of a new one, at the same address.
-        until(lambda: not any(map(runs, old)))
-        until(executor.slots)
+        until(lambda: not any(map(runs, old)), within_s=_LONG_S)
+        until(executor.slots, within_s=_LONG_S)
         (end,) = wait_for(executor, 1)
         assert (end.report.run_id, end.report.status) == ("waiting", RunStatus.FINISHED)
         assert executor.fault == ""
         assert before.isdisjoint(slot.name for slot in executor.slots())
-        until(lambda: len(raylets(*others)) == 2)
+        until(lambda: len(raylets(*others)) == 2, within_s=_LONG_S)
 
 
 @pytest.mark.slow(seconds=60)

@@ -65,6 +65,15 @@ def other(database_url: str) -> Iterator[Database]:
     opened.close()
 
 
+@pytest.fixture
+def _of_connections(database: Database) -> None:
+    if database.engine.dialect.name == "sqlite":
+        pytest.skip("a file's lock is lost with its process only")
+
+
+of_connections = pytest.mark.usefixtures("_of_connections")
+
+
 def test_work_has_one_holder(database: Database, other: Database) -> None:
     assert not other.locks.is_held(CAMPAIGN)
     held = database.locks.hold(CAMPAIGN)
@@ -124,13 +133,11 @@ def test_locks_that_were_lost_with_their_connection_are_taken_again(
     also.release()
 
 
+@of_connections
 def test_a_lost_lock_that_another_has_taken_stays_with_it(
     database: Database, other: Database
 ) -> None:
     lost = database.locks.hold(CAMPAIGN)
-    if database.engine.dialect.name == "sqlite":
-        lost.release()
-        pytest.skip("a file's lock is lost with its process only")
     lose_connections(other)
     taken = other.locks.hold(CAMPAIGN)
     database.locks.keep()
@@ -140,13 +147,10 @@ def test_a_lost_lock_that_another_has_taken_stays_with_it(
     assert not database.locks.is_held(CAMPAIGN)
 
 
+@of_connections
 def test_a_lost_lock_is_tried_again_until_it_is_free(database: Database, other: Database) -> None:
     """As when the server still has the session of a connection that has ended on this side."""
     held, also = database.locks.hold(CAMPAIGN), database.locks.hold(STUDY)
-    if database.engine.dialect.name == "sqlite":
-        held.release()
-        also.release()
-        pytest.skip("a file's lock is lost with its process only")
     lose_connections(other)
     taken = other.locks.hold(CAMPAIGN)
     for _ in range(2):
@@ -163,14 +167,11 @@ def test_a_lost_lock_is_tried_again_until_it_is_free(database: Database, other: 
     also.release()
 
 
+@of_connections
 def test_a_lost_lock_that_is_released_is_not_taken_again(
     database: Database, other: Database
 ) -> None:
     lost, also = database.locks.hold(CAMPAIGN), database.locks.hold(STUDY)
-    if database.engine.dialect.name == "sqlite":
-        lost.release()
-        also.release()
-        pytest.skip("a file's lock is lost with its process only")
     lose_connections(other)
     taken = other.locks.hold(CAMPAIGN)
     database.locks.keep()
