@@ -135,7 +135,7 @@ def test_manifests_of_kubernetes_fit_together(deploy: Path, name: str) -> None:
 def test_settings_that_manifests_name_exist(deploy: Path) -> None:
     known = {f"DRIVORA_{name.upper()}" for name in Settings.model_fields} | _OF_RAY
     # Of Compose, for its file `.env`.
-    known |= {"DRIVORA_DATABASE_PASSWORD", "DRIVORA_MEMORY"}
+    known |= {"DRIVORA_DATABASE_PASSWORD", "DRIVORA_MEMORY", "DRIVORA_RAY_TOKEN"}
     # Of the script for Slurm.
     known |= {"DRIVORA_ENVIRONMENT"}
     for folder in ("compose", "kubernetes", "slurm", "systemd"):
@@ -183,6 +183,32 @@ def test_only_nodes_reach_the_ports_of_ray(deploy: Path) -> None:
     assert cluster["spec"]["headGroupSpec"]["rayStartParams"]["include-dashboard"] == "false"
     compose = yaml.safe_load((deploy / "compose" / "ray.yaml").read_text())
     assert "--include-dashboard=false" in compose["services"]["head"]["command"]
+
+
+def test_all_parts_of_a_ray_cluster_have_its_token(deploy: Path) -> None:
+    services = yaml.safe_load((deploy / "compose" / "ray.yaml").read_text())["services"]
+    tokens = {name: one["environment"]["RAY_AUTH_TOKEN"] for name, one in services.items()}
+    assert tokens.keys() == {"head", "node", "drivora"}
+    # Without one, Compose says what to do.
+    assert all(re.fullmatch(r"\$\{DRIVORA_RAY_TOKEN:\?.*\}", one) for one in tokens.values())
+    assert all(one["environment"]["RAY_AUTH_MODE"] == "token" for one in services.values())
+
+    containers = [one for found in values(manifests(deploy, "ray"), "containers") for one in found]
+    assert {one["name"] for one in containers} == {"ray-head", "ray-node", "drivora"}
+    for container in containers:
+        variables = {one["name"]: one for one in container["env"]}
+        assert variables["RAY_AUTH_MODE"]["value"] == "token"
+        secret = {"secretKeyRef": {"name": "drivora", "key": "ray-token"}}
+        assert variables["RAY_AUTH_TOKEN"]["valueFrom"] == secret
+    # The keys of the secret that the page makes are those that are asked for.
+    page = (deploy / "README.md").read_text()
+    asked = {one["key"] for name in ("servers", "ray") for one in keys(deploy, name)}
+    assert set(re.findall(r"--from-literal=([\w-]+)=", page)) == asked
+
+
+def keys(deploy: Path, name: str) -> Iterator[dict[str, Any]]:
+    """Yields what the resources of a file ask of secrets."""
+    return values(manifests(deploy, name), "secretKeyRef")
 
 
 _RAY_MIB = 2048
@@ -249,13 +275,14 @@ def test_the_image_tells_ray_what_nodes_need(repository: Path, deploy: Path) -> 
     page = (repository / "docs" / "how-to" / "use-a-cluster.md").read_text()
     wanted = {"USAGE_STATS_ENABLED", "worker_niceness", "memory_monitor_refresh_ms"}
     assert set(re.findall(r"RAY_(\w+)=0\b", last)) == wanted
-    exported = re.findall(r"export (RAY_.*)", page)
+    exported = re.findall(r"export (RAY_USAGE.*)", page)
     assert len(exported) == 3
     for line in exported:
         assert set(re.findall(r"RAY_(\w+)=0\b", line)) == wanted
     # Nothing in the manifests takes it back.
+    others = {"DRIVORA_RAY_ADDRESS", "DRIVORA_RAY_TOKEN", "RAY_AUTH_MODE", "RAY_AUTH_TOKEN"}
     for path in (deploy / "compose" / "ray.yaml", deploy / "kubernetes" / "ray.yaml"):
-        assert "RAY_" not in path.read_text().replace("DRIVORA_RAY_ADDRESS", "")
+        assert set(re.findall(r"\w*RAY_\w+", path.read_text())) <= others
 
 
 def commands_of_servers(deploy: Path) -> list[str]:
@@ -345,9 +372,11 @@ _SLURM = {
           health-check*) exec test -e "$JOB/head" ;;
         esac
         echo "$*" >> "$JOB/ray"
+        echo "$RAY_AUTH_MODE $RAY_AUTH_TOKEN" >> "$JOB/tokens"
         exec sleep 600
     """,
     "drivora": """
+        echo "$RAY_AUTH_MODE $RAY_AUTH_TOKEN" >> "$JOB/tokens"
         echo "$* $DRIVORA_EXECUTOR $DRIVORA_RAY_ADDRESS" > "$JOB/drivora"
         trap 'echo paused >> "$JOB/drivora"; kill $!; exit 3' TERM
         sleep "${SECONDS_OF_WORK:-0}" & wait
@@ -396,6 +425,12 @@ def test_the_slurm_script_starts_a_cluster_and_a_campaign(
     head, nodes = (tmp_path / "ray").read_text().splitlines()
     assert "--node-ip-address=10.0.0.1 --port=24711 --num-cpus=14" in head
     assert nodes.startswith(f"start --address={address} --num-cpus=16")
+    # One token for all of this job, and no other.
+    (token,) = {*(tmp_path / "tokens").read_text().splitlines()}
+    assert re.fullmatch("token [0-9a-f]{64}", token)
+    (tmp_path / "tokens").unlink()
+    subprocess.run(command, timeout=60, check=False, **slurm)
+    assert token not in (tmp_path / "tokens").read_text()
 
 
 def test_the_time_limit_of_slurm_pauses_the_campaign(

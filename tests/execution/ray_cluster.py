@@ -124,12 +124,12 @@ def supervised_node(*options: str, folder: Path) -> Iterator[psutil.Process]:
         The supervisor, which is killed with the node at the end.
     """
     start = [str(Path(sys.executable).parent / "ray"), "start", *options, "--block"]
-    start.append("--object-store-memory=80000000")
-    own = tempfile.mkdtemp(dir=folder)
+    # Else all nodes of a machine have the folder of the head.
+    start += ["--object-store-memory=80000000", f"--temp-dir={tempfile.mkdtemp(dir=folder)}"]
     with (folder / "ray-start.log").open("ab") as log:
         process = subprocess.Popen(
             ["sh", "-c", 'while true; do "$@"; sleep 1; done', "sh", *start],
-            env={**os.environ, **ENVIRONMENT, "RAY_TMPDIR": own},
+            env={**os.environ, **ENVIRONMENT},
             stdout=log,
             stderr=subprocess.STDOUT,
         )

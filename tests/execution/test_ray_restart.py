@@ -1,8 +1,9 @@
-"""A Ray cluster whose head ends and is started again, and a machine that is no node of it."""
+"""A Ray cluster whose head ends and is started again, and machines that may not connect."""
 
 from __future__ import annotations
 
 import contextlib
+import os
 import socket
 import subprocess
 import sys
@@ -25,6 +26,9 @@ from tests.execution.ray_cluster import kill_node, supervised_node, until
 _LONG_S = 300.0
 _ALONE = ("unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc")
 """Runs a command on what is a machine of its own to Ray, which looks for a node's processes."""
+_TOKEN = {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": "5e1f" * 16}
+"""What all processes of a cluster with a token have."""
+
 _FAULT = """
 import sys, time
 from pathlib import Path
@@ -77,6 +81,28 @@ def raylets(*supervisors: psutil.Process) -> list[psutil.Process]:
     return found
 
 
+def fault_of(address: str, folder: Path, *before: str, **environment: str) -> str:
+    """Returns what a command says that cannot use a cluster that answers."""
+    command = [*before, sys.executable, "-c", _FAULT, address, str(folder)]
+    inherited = {name: value for name, value in os.environ.items() if name not in _TOKEN}
+    deadline = time.monotonic() + _LONG_S
+    while True:
+        done = subprocess.run(
+            command,
+            env={**inherited, **environment},
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=_LONG_S,
+        )
+        # Before it is the line of the log.
+        fault = done.stdout.splitlines()[-1]
+        if "refused" not in fault:
+            return fault
+        # The head is starting.
+        assert time.monotonic() < deadline
+
+
 def runs(process: psutil.Process) -> bool:
     """Tells whether a process has not ended."""
     with contextlib.suppress(psutil.NoSuchProcess):
@@ -86,8 +112,12 @@ def runs(process: psutil.Process) -> bool:
 
 @pytest.mark.slow(seconds=150)
 def test_runs_are_performed_again_after_the_head_was_started_again(
-    address: str, folder: Path, tmp_path: Path
+    address: str, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    # All that it starts inherits the token.
+    for name, value in _TOKEN.items():
+        monkeypatch.setenv(name, value)
+
     def node(*options: str) -> psutil.Process:
         return parts.enter_context(supervised_node(*options, folder=folder))
 
@@ -138,21 +168,28 @@ def test_a_machine_that_is_no_node_is_told_to_become_one(
     if subprocess.run([*_ALONE, "true"], capture_output=True, check=False).returncode:
         pytest.skip("this system gives no namespace of processes")
     with supervised_node(*head(address), folder=folder):
-        command = [*_ALONE, sys.executable, "-c", _FAULT, address, str(tmp_path)]
-        deadline = time.monotonic() + _LONG_S
-        while True:
-            done = subprocess.run(
-                command, capture_output=True, text=True, check=True, timeout=_LONG_S
-            )
-            if "refused" not in done.stdout:
-                break
-            # The head is starting.
-            assert time.monotonic() < deadline
-    # Before it is the line of the log.
-    assert done.stdout.splitlines()[-1] == (
+        fault = fault_of(address, tmp_path, *_ALONE)
+    assert fault == (
         f"the Ray cluster at {address} answers, but this machine is no node of it: run "
         f"`ray start --address={address} --num-cpus=0` here"
     )
+
+
+@pytest.mark.slow(seconds=60)
+def test_who_does_not_know_the_token_of_a_cluster_cannot_use_it(
+    address: str, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, value in _TOKEN.items():
+        monkeypatch.setenv(name, value)
+    wrong = {**_TOKEN, "RAY_AUTH_TOKEN": "0bad" * 16}
+    # Nor is there one in a file that Ray looks at.
+    none = {"RAY_AUTH_MODE": "token", "HOME": str(folder)}
+    with supervised_node(*head(address), folder=folder):
+        for environment in ({}, wrong, none):
+            assert fault_of(address, tmp_path, **environment) == (
+                f"the Ray cluster at {address} cannot be used: its token is missing or wrong; set "
+                "RAY_AUTH_MODE=token and the same RAY_AUTH_TOKEN as on its nodes"
+            )
 
 
 def test_what_ray_does_not_explain_names_both_causes() -> None:
@@ -166,5 +203,7 @@ def test_what_ray_does_not_explain_names_both_causes() -> None:
         assert (
             "this machine is no node of it" in explain(error, "auto", is_reached=is_reached).reason
         )
+    unknown = explain(ConnectionError("Failed to connect"), "auto", is_reached=False).reason
+    assert unknown.endswith("; start it, correct DRIVORA_RAY_ADDRESS, or set its RAY_AUTH_TOKEN")
     refused = explain(ConnectionRefusedError("refused"), "here:1", is_reached=False).reason
     assert refused == "cannot be reached: refused; start it, or correct DRIVORA_RAY_ADDRESS"

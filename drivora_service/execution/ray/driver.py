@@ -13,7 +13,7 @@ import time
 from multiprocessing.connection import Connection
 from typing import Any
 
-from drivora_service.execution.ray.local_node import explain, require_local_node
+from drivora_service.execution.ray.local_node import explain, require_local_node, require_token
 from drivora_service.execution.ray.messages import (
     ClusterSetup,
     FromCluster,
@@ -51,6 +51,7 @@ def drive(setup: ClusterSetup, pipe: Connection) -> None:
     try:
         reach(setup.address)
         is_reached = setup.address != "auto"
+        require_token()
         require_local_node(setup.address)
         import ray
 
