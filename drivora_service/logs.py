@@ -8,6 +8,9 @@ from typing import Literal
 
 import structlog
 
+_SAYS_NOTHING = "alembic.runtime.plugins"
+"""A logger that lists its own parts whenever a database is migrated."""
+
 
 def configure_logs(
     *, form: Literal["console", "json"] = "console", level: str = "info", colors: bool | None = None
@@ -52,6 +55,7 @@ def configure_logs(
     root = logging.getLogger()
     root.handlers = [handler]
     root.setLevel(level.upper())
+    logging.getLogger(_SAYS_NOTHING).setLevel("WARNING")
     structlog.configure(
         processors=[
             structlog.stdlib.filter_by_level,

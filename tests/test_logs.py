@@ -3,11 +3,14 @@ from __future__ import annotations
 import json
 import logging
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 import structlog
+from sqlalchemy import create_engine
 
 from drivora_service.logs import configure_logs
+from drivora_service.store.migration import upgrade
 
 
 @pytest.fixture(autouse=True)
@@ -29,6 +32,18 @@ def test_own_and_foreign_lines_are_json_alike(capsys: pytest.CaptureFixture[str]
     assert (own["event"], own["run"], own["level"]) == ("run_ended", "7", "info")
     assert (foreign["event"], foreign["logger"]) == ("slow", "uvicorn.error")
     assert "color_message" not in foreign
+
+
+def test_a_migration_tells_its_revisions_only(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    configure_logs(form="json")
+    engine = create_engine(f"sqlite:///{tmp_path / 'd.sqlite3'}")
+    upgrade(engine, "0002")
+    engine.dispose()
+    events = [json.loads(line)["event"] for line in capsys.readouterr().err.splitlines()]
+    assert any(one.startswith("Running upgrade 0001 -> 0002") for one in events)
+    assert not [one for one in events if "plugin" in one]
 
 
 def test_errors_carry_their_trace(capsys: pytest.CaptureFixture[str]) -> None:

@@ -25,6 +25,11 @@ hangs."""
 _IDLE = "60s"
 """Time after which the server ends a transaction that writes and whose client does nothing: a
 process that was stopped, or whose machine is gone, must not keep the others from writing."""
+
+_READER_IDLE_S = 600.0
+"""The same of a transaction that only reads, in seconds. Tables are exported as slowly as they are
+received; but whoever does not go on for this long must not keep a migration waiting."""
+
 _CONNECTING = {
     "application_name": "drivora",
     "client_encoding": "utf8",
@@ -173,7 +178,11 @@ def _configure(patience_s: float, connection: DriverConnection[Any], _record: ob
     from drivora_service.store.postgresql_values import adapt_values
 
     adapt_values(connection.adapters)
-    limits = {"lock_timeout": patience_s, "statement_timeout": _STATEMENT_S}
+    limits = {
+        "lock_timeout": patience_s,
+        "statement_timeout": _STATEMENT_S,
+        "idle_in_transaction_session_timeout": _READER_IDLE_S,
+    }
     with connection.cursor() as cursor:
         for name, seconds in limits.items():
             cursor.execute("SELECT set_config(%s, %s, false)", (name, f"{round(1000 * seconds)}ms"))

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from sqlalchemy import make_url, text
+from sqlalchemy.exc import DBAPIError
 
 from drivora_service.errors import StoreError, StoreUnavailable
 from drivora_service.store import postgresql as connections
@@ -252,9 +253,24 @@ def test_a_writer_that_does_nothing_is_ended(
         sleep()
     submit(database, 1)
     with database.read() as transaction:
-        # Readers are not limited: a table is exported as slowly as it is received.
+        # A table is exported as slowly as it is received.
         time.sleep(0.5)
         assert len(transaction.jobs.page(JobFilter(), limit=9).items) == 1
+
+
+def test_a_reader_that_does_nothing_keeps_a_migration_from_nothing(
+    empty_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(connections, "_READER_IDLE_S", 1.0)
+    engine = connections.postgresql_engine(make_url(empty_url), patience_s=1.0)
+    upgrade(engine, revisions()[-2])
+    with pytest.raises(DBAPIError, match="idle-in-transaction"), engine.connect() as reader:
+        reader.execute(text("SELECT count(*) FROM campaigns"))
+        # Waits until the server has ended the reader.
+        upgrade(engine)
+        reader.execute(text("SELECT count(*) FROM campaigns"))
+    assert schema_version(engine) == newest_revision()
+    engine.dispose()
 
 
 def test_the_end_of_a_connection_is_noted_once_at_most(
