@@ -16,6 +16,7 @@ from types import TracebackType
 from drivora_service.campaigns.evaluator import Answer
 from drivora_service.errors import WorkersCannotStart
 from drivora_service.execution.executor import Executor
+from drivora_service.execution.pace import Pace
 from drivora_service.execution.running import Runs
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.report import RunSpec
@@ -33,7 +34,7 @@ class SharedPool:
         Args:
             executor: Must have no other user meanwhile; the caller closes it.
         """
-        self._executor, self._runs = executor, Runs(executor)
+        self._executor, self._runs, self._pace = executor, Runs(executor), Pace()
         self._changed = threading.Condition()
         self._members: deque[PoolEvaluator] = deque()
         self._owners: dict[str, PoolEvaluator] = {}
@@ -138,8 +139,8 @@ class SharedPool:
                 raise
 
     def _fill(self) -> None:
-        """Starts as many runs as keep the workers busy, from each campaign in turn."""
-        room = 2 * self._executor.capacity - len(self._owners)
+        """Hands over as many runs as keep the workers busy, from each campaign in turn."""
+        room = self._pace.wanted_in_flight(self._executor.capacity) - len(self._owners)
         idle = 0
         while room > 0 and idle < len(self._members):
             member = self._members[0]
@@ -157,6 +158,7 @@ class SharedPool:
     def _hand_out(self, ends: Sequence[AttemptEnd]) -> None:
         with self._changed:
             for end in ends:
+                self._pace.note((end.ended - end.started).total_seconds())
                 member = self._owners.pop(end.report.run_id)
                 number = member.numbers.pop(end.report.run_id, None)
                 if number is not None:

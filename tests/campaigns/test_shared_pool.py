@@ -6,7 +6,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Iterator
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
 import pytest
 
@@ -23,6 +23,7 @@ class Steps:
 
     def __init__(self, capacity: int = 2) -> None:
         self.capacity, self.fault = capacity, ""
+        self.run_s = 5.0
         self._changed = threading.Condition()
         self.queue: deque[RunSpec] = deque()
         self._ended: list[AttemptEnd] = []
@@ -46,7 +47,8 @@ class Steps:
 
     def _end(self, report: RunReport) -> None:
         now = datetime.now(UTC)
-        self._ended.append(AttemptEnd(report=report, worker="", started=now, ended=now))
+        started = now - timedelta(seconds=self.run_s)
+        self._ended.append(AttemptEnd(report=report, worker="", started=started, ended=now))
         self._changed.notify_all()
 
     def cancel(self, run_id: str) -> None:
@@ -123,6 +125,25 @@ def test_campaigns_take_turns_each_in_its_own_order(executor: Steps, pool: Share
         ["b-0", "a-4", "b-1", "a-5", "b-2"],
         ["a-4", "b-0", "a-5", "b-1", "a-6"],
     )
+
+
+@pytest.mark.parametrize(("run_s", "under_way"), [(5.0, 4), (0.1, 18)])
+def test_the_shorter_runs_are_the_more_are_handed_over_ahead(
+    executor: Steps, pool: SharedPool, run_s: float, under_way: int
+) -> None:
+    executor.run_s = run_s
+    member = pool.evaluator()
+    submit(member, "a", *range(30))
+    until(lambda: len(executor.begun) == 4)
+    executor.end_first()
+    answered(member, 1)
+    until(lambda: len(executor.queue) == under_way)
+    assert not pool.is_hungry()
+    # No more than these.
+    executor.end_first()
+    answered(member, 1)
+    until(lambda: len(executor.begun) == under_way + 2)
+    assert len(executor.queue) == under_way
 
 
 def test_a_pool_is_hungry_when_no_run_waits_for_a_worker(executor: Steps, pool: SharedPool) -> None:
