@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
+import uuid
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +52,8 @@ def write_trace(trace: Trace, path: Path) -> None:
     except (TypeError, ValueError) as error:
         raise StoreError(f"the meta data of a trace must be JSON: {error}") from error
     table = _table(trace).replace_schema_metadata({METADATA_KEY: header.encode()})
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
+    # Of this writer alone: a run may be under way twice, on machines whose processes have equal ids.
+    partial = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         pq.write_table(

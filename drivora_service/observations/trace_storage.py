@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import tempfile
+import uuid
 from pathlib import Path
 
 from drivora_service.errors import StoreError
@@ -33,7 +34,7 @@ def store_trace(trace: Trace, address: str) -> None:
         try:
             system, place = fsspec.core.url_to_fs(address)
             # Of a storage of objects, one is replaced as a whole; in a file system, by its name.
-            part = f"{place}.part"
+            part = f"{place}.{uuid.uuid4().hex}.part"
             if is_of_objects(system.protocol):
                 system.put_file(str(file), place)
             else:

@@ -1,8 +1,11 @@
 from __future__ import annotations
 
 import json
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -94,6 +97,25 @@ def test_writing_replaces_and_leaves_nothing_beside(full_trace: Trace, path: Pat
     write_trace(full_trace, path)
     assert [file.name for file in path.parent.iterdir()] == [path.name]
     assert trace_sha256(read_trace(path)) == trace_sha256(full_trace)
+
+
+def test_two_writers_of_one_trace_do_not_write_into_one_file(
+    full_trace: Trace, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    both_have_written = threading.Barrier(2)
+    write = pq.write_table
+
+    def write_slowly(*arguments: Any, **options: Any) -> None:
+        write(*arguments, **options)
+        both_have_written.wait(30)
+
+    monkeypatch.setattr(pq, "write_table", write_slowly)
+    # As attempts of one run on two machines, whose processes have equal ids.
+    with ThreadPoolExecutor(2) as pool:
+        for writer in [pool.submit(write_trace, full_trace, path) for _ in range(2)]:
+            writer.result()
+    assert trace_sha256(read_trace(path)) == trace_sha256(full_trace)
+    assert list(path.parent.iterdir()) == [path]
 
 
 def test_meta_that_is_not_json_is_refused_before_anything_is_written(
