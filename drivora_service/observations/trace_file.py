@@ -52,7 +52,7 @@ def write_trace(trace: Trace, path: Path) -> None:
     except (TypeError, ValueError) as error:
         raise StoreError(f"the meta data of a trace must be JSON: {error}") from error
     table = _table(trace).replace_schema_metadata({METADATA_KEY: header.encode()})
-    # Of this writer alone: a run may be under way twice, on machines whose processes have equal ids.
+    # Of this writer alone: a run may be under way twice, in containers with equal process ids.
     partial = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
