@@ -8,7 +8,7 @@ from typing import Literal
 
 import structlog
 
-_SAYS_NOTHING = "alembic.runtime.plugins"
+_LOGGER_OF_PLUGINS = "alembic.runtime.plugins"
 """A logger that lists its own parts whenever a database is migrated."""
 
 
@@ -55,7 +55,7 @@ def configure_logs(
     root = logging.getLogger()
     root.handlers = [handler]
     root.setLevel(level.upper())
-    logging.getLogger(_SAYS_NOTHING).setLevel("WARNING")
+    logging.getLogger(_LOGGER_OF_PLUGINS).setLevel("WARNING")
     structlog.configure(
         processors=[
             structlog.stdlib.filter_by_level,

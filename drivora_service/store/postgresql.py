@@ -27,8 +27,8 @@ _IDLE = "60s"
 process that was stopped, or whose machine is gone, must not keep the others from writing."""
 
 _READER_IDLE_S = 600.0
-"""The same of a transaction that only reads, in seconds. Tables are exported as slowly as they are
-received; but whoever does not go on for this long must not keep a migration waiting."""
+"""The same of a transaction that only reads, in seconds. A table is exported as slowly as its
+client receives it, but a client that stops for this long must not keep a migration waiting."""
 
 _CONNECTING = {
     "application_name": "drivora",

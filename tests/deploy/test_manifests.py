@@ -202,13 +202,12 @@ def test_all_parts_of_a_ray_cluster_have_its_token(deploy: Path) -> None:
         assert variables["RAY_AUTH_TOKEN"]["valueFrom"] == secret
     # The keys of the secret that the page makes are those that are asked for.
     page = (deploy / "README.md").read_text()
-    asked = {one["key"] for name in ("servers", "ray") for one in keys(deploy, name)}
+    asked = {
+        secret["key"]
+        for name in ("servers", "ray")
+        for secret in values(manifests(deploy, name), "secretKeyRef")
+    }
     assert set(re.findall(r"--from-literal=([\w-]+)=", page)) == asked
-
-
-def keys(deploy: Path, name: str) -> Iterator[dict[str, Any]]:
-    """Yields what the resources of a file ask of secrets."""
-    return values(manifests(deploy, name), "secretKeyRef")
 
 
 _RAY_MIB = 2048

@@ -48,6 +48,13 @@ def folder() -> Iterator[Path]:
 
 
 @pytest.fixture
+def token(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Has all that the test starts use a token."""
+    for name, value in _TOKEN.items():
+        monkeypatch.setenv(name, value)
+
+
+@pytest.fixture
 def address() -> str:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -111,13 +118,10 @@ def runs(process: psutil.Process) -> bool:
 
 
 @pytest.mark.slow(seconds=150)
+@pytest.mark.usefixtures("token")
 def test_runs_are_performed_again_after_the_head_was_started_again(
-    address: str, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    address: str, folder: Path, tmp_path: Path
 ) -> None:
-    # All that it starts inherits the token.
-    for name, value in _TOKEN.items():
-        monkeypatch.setenv(name, value)
-
     def node(*options: str) -> psutil.Process:
         return parts.enter_context(supervised_node(*options, folder=folder))
 
@@ -176,11 +180,10 @@ def test_a_machine_that_is_no_node_is_told_to_become_one(
 
 
 @pytest.mark.slow(seconds=60)
-def test_who_does_not_know_the_token_of_a_cluster_cannot_use_it(
-    address: str, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.usefixtures("token")
+def test_a_process_without_the_token_of_a_cluster_cannot_use_it(
+    address: str, folder: Path, tmp_path: Path
 ) -> None:
-    for name, value in _TOKEN.items():
-        monkeypatch.setenv(name, value)
     wrong = {**_TOKEN, "RAY_AUTH_TOKEN": "0bad" * 16}
     # Nor is there one in a file that Ray looks at.
     none = {"RAY_AUTH_MODE": "token", "HOME": str(folder)}

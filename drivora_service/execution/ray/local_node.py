@@ -10,7 +10,7 @@ _JOINING_S = 15.0
 _NO_NODE = "No node info found"
 """What Ray says if no process of a node on this machine belongs to the cluster."""
 
-_NO_TOKEN = "AuthenticationError"
+_TOKEN_ERROR = "AuthenticationError"
 """The class of Ray's errors of a token that is missing or wrong."""
 
 
@@ -47,7 +47,7 @@ def require_local_node(address: str) -> None:
 
         get_node_to_connect_for_driver(GcsClient(address=address), timeout_seconds=int(_JOINING_S))
     except Exception as error:
-        if _NO_NODE in str(error) or _is_of_token(error):
+        if _NO_NODE in str(error) or _is_token_error(error):
             raise
         # A function of Ray that is not public: other versions may have another one. What is wrong
         # otherwise, the connection itself finds.
@@ -67,7 +67,7 @@ def explain(error: Exception, address: str, *, is_reached: bool) -> NotConnected
     reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
     if _NO_NODE in f"{error} {error.__cause__}":
         reason = f"answers, but this machine is no node of it: run {joining} here"
-    elif _is_of_token(error) or _is_of_token(error.__cause__):
+    elif _is_token_error(error) or _is_token_error(error.__cause__):
         reason = (
             "cannot be used: its token is missing or wrong; set RAY_AUTH_MODE=token and the same "
             "RAY_AUTH_TOKEN as on its nodes"
@@ -86,6 +86,6 @@ def explain(error: Exception, address: str, *, is_reached: bool) -> NotConnected
     return NotConnected(reason=reason)
 
 
-def _is_of_token(error: BaseException | None) -> bool:
+def _is_token_error(error: BaseException | None) -> bool:
     # By the name: Ray is imported by nothing that may be of use without it.
-    return _NO_TOKEN in type(error).__name__
+    return _TOKEN_ERROR in type(error).__name__
