@@ -18,7 +18,7 @@ import psutil
 import pytest
 
 from drivora_service.execution.ray.executor import RayExecutor
-from drivora_service.execution.ray.local_node import explain
+from drivora_service.execution.ray.preconditions import explain
 from drivora_service.runs.report import RunSpec, RunStatus
 from tests.execution.attempts import LIMITS, TASKS, pid_of, run, wait_for
 from tests.execution.ray_cluster import kill_node, supervised_node, until

@@ -13,7 +13,6 @@ import time
 from multiprocessing.connection import Connection
 from typing import Any
 
-from drivora_service.execution.ray.local_node import explain, require_local_node, require_token
 from drivora_service.execution.ray.messages import (
     ClusterSetup,
     FromCluster,
@@ -21,6 +20,7 @@ from drivora_service.execution.ray.messages import (
     ToCluster,
 )
 from drivora_service.execution.ray.node_link import NodeLink
+from drivora_service.execution.ray.preconditions import explain, require_local_node, require_token
 from drivora_service.worker.parent_death import die_with_parent
 
 _LOOK_S = 1.0
