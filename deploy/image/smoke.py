@@ -2,9 +2,10 @@
 """Tries an image: tokens, time until it is ready, a batch that is judged, its size, its shutdown.
 
 Needs buildah (with containers in chroots, so that neither a daemon nor namespaces are needed) or
-docker, and no package. DRIVORA_DATABASE_URL has the service use a database of PostgreSQL::
+docker, and no package. DRIVORA_DATABASE_URL has the service use a database of PostgreSQL; with
+``--ray``, a node of Ray in the container performs the runs::
 
-    deploy/image/smoke.py [--image drivora] [--most-mb 900] [--volume FOLDER:FOLDER]
+    deploy/image/smoke.py [--image drivora] [--most-mb 900] [--volume FOLDER:FOLDER] [--ray]
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import secrets
 import shutil
 import signal
 import socket
@@ -21,7 +23,7 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +46,14 @@ while os.path.exists(f"/proc/{orphan}") and time.monotonic() < until:
 print("left" if os.path.exists(f"/proc/{orphan}") else "reaped")
 """
 """A program of Python that tells what became of a process that lost its parent and ended."""
+_SERVE = ("drivora", "serve")
+_SERVE_BESIDE_RAY = """
+(ray start --head --port={port} --num-cpus=2 --object-store-memory=209715200 \\
+  --include-dashboard=false --block > /tmp/ray.log 2>&1 &)
+until ray health-check --address=127.0.0.1:{port} > /dev/null 2>&1; do sleep 1; done
+exec drivora serve
+"""
+"""A program of the shell; see ``compose/ray.yaml``."""
 _READY_S = 300.0
 _RUNS_S = 300.0
 _STOP_S = 90.0
@@ -82,20 +92,29 @@ class Buildah:
         return self.run(*self._entrypoint[:-1], "python", "-c", program)
 
     @contextmanager
-    def serving(self, port: int, log: Path, **variables: str) -> Iterator[None]:
-        """Runs the service; ends it as a stop of the container does."""
+    def serving(self, port: int, log: Path, *service: str, **variables: str) -> Iterator[None]:
+        """Runs the service below the init; ends it as a stop of the container does."""
         command = self._command({**variables, "DRIVORA_PORT": str(port)})
         with log.open("w") as target:
             process = subprocess.Popen(
-                [*command, *self._entrypoint, "serve"], stdout=target, stderr=subprocess.STDOUT
+                [*command, *self._entrypoint[:-1], *service],
+                stdout=target,
+                stderr=subprocess.STDOUT,
             )
         try:
             yield
         finally:
             # Only to the init of the container, which tells the service.
-            for pid in _descendants(process.pid):
-                if _name_of(pid) == self._entrypoint[0]:
-                    os.kill(pid, signal.SIGTERM)
+            below = _descendants(process.pid)
+            inits = [pid for pid in below if _name_of(pid) == self._entrypoint[0]]
+            started = [child for pid in inits for child in _descendants(pid)]
+            for pid in inits:
+                os.kill(pid, signal.SIGTERM)
+            _wait_until_ended(inits)
+            # In a chroot, the end of the init ends no other process.
+            for pid in started:
+                with suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
             code = _wait(process)
         if code:
             raise Failed(f"the service ended with {code}")
@@ -141,16 +160,16 @@ class Docker:
 
     def python(self, program: str) -> str:
         """Runs a program of Python in place of the service, below the init of the image."""
-        config = json.loads(_output("docker", "image", "inspect", self.image))[0]["Config"]
-        return self.run(*config["Entrypoint"][:-1], "python", "-c", program)
+        return self.run(*self._init(), "python", "-c", program)
 
     @contextmanager
-    def serving(self, port: int, log: Path, **variables: str) -> Iterator[None]:
-        """Runs the service; ends it as a stop of the container does."""
+    def serving(self, port: int, log: Path, *service: str, **variables: str) -> Iterator[None]:
+        """Runs the service below the init; ends it as a stop of the container does."""
         given = [f"--env={name}={value}" for name, value in variables.items()]
+        init, *options = self._init()
         self._service = _output(
-            *("docker", "run", "--detach", *self._options, *given),
-            *(f"--publish=127.0.0.1:{port}:8000", self.image),
+            *("docker", "run", "--detach", *self._options, *given, f"--entrypoint={init}"),
+            *(f"--publish=127.0.0.1:{port}:8000", self.image, *options, *service),
         )
         try:
             yield
@@ -168,6 +187,12 @@ class Docker:
         """Removes the volume."""
         _output("docker", "volume", "rm", self._volume)
 
+    def _init(self) -> list[str]:
+        """Returns the command of the image's init."""
+        config = json.loads(_output("docker", "image", "inspect", self.image))[0]["Config"]
+        entrypoint: list[str] = config["Entrypoint"]
+        return entrypoint[:-1]
+
 
 def main() -> int:
     """Tries the image; returns the exit code."""
@@ -175,12 +200,13 @@ def main() -> int:
     parser.add_argument("--image", default="drivora")
     parser.add_argument("--most-mb", type=float, default=900.0, help="largest size, 10^6 bytes")
     parser.add_argument("--volume", action="append", default=[], help="FOLDER:FOLDER, also mounted")
+    parser.add_argument("--ray", action="store_true", help="a node of Ray performs the runs")
     options = parser.parse_args()
     engine = Buildah if shutil.which("buildah") else Docker
     container = engine(options.image, options.volume)
     log = Path(f"smoke-{os.getpid()}.log").resolve()
     try:
-        _try_image(container, options.most_mb, log)
+        _try_image(container, options.most_mb, log, with_ray=options.ray)
     except Failed as error:
         print(f"smoke: FAILED: {error}", file=sys.stderr)
         if log.is_file():
@@ -192,7 +218,7 @@ def main() -> int:
     return 0
 
 
-def _try_image(container: Buildah | Docker, most_mb: float, log: Path) -> None:
+def _try_image(container: Buildah | Docker, most_mb: float, log: Path, *, with_ray: bool) -> None:
     size = container.size_mb()
     print(f"smoke: {container.image} has {size:.0f} MB")
     if size > most_mb:
@@ -213,12 +239,22 @@ def _try_image(container: Buildah | Docker, most_mb: float, log: Path) -> None:
     if "DRIVORA_DATABASE_URL" in os.environ:
         variables["DRIVORA_DATABASE_URL"] = os.environ["DRIVORA_DATABASE_URL"]
         print("smoke: with a database of PostgreSQL")
+    service: tuple[str, ...] = _SERVE
+    if with_ray:
+        head = _free_port()
+        service = ("sh", "-c", _SERVE_BESIDE_RAY.format(port=head))
+        variables |= {
+            "DRIVORA_EXECUTOR": "ray",
+            "DRIVORA_RAY_ADDRESS": f"127.0.0.1:{head}",
+            "RAY_AUTH_MODE": "token",
+            "RAY_AUTH_TOKEN": secrets.token_hex(32),
+        }
     token = json.loads(container.drivora("tokens", "create", "smoke", "--json"))["token"]
     kernels = container.run("sh", "-c", _KERNELS)
     port = _free_port()
     url = f"http://127.0.0.1:{port}"
     begun = time.monotonic()
-    with container.serving(port, log, **variables):
+    with container.serving(port, log, *service, **variables):
         _wait_until_ready(url, begun + _READY_S)
         print(f"smoke: ready after {time.monotonic() - begun:.1f} s")
         if _status(f"{url}/api/v1/networks") != 401:
@@ -303,6 +339,12 @@ def _wait(process: subprocess.Popen[bytes]) -> int:
         for pid in [*_descendants(process.pid), process.pid]:
             os.kill(pid, signal.SIGKILL)
         raise Failed("the service did not stop when it was asked to") from None
+
+
+def _wait_until_ended(pids: list[int]) -> None:
+    ends = time.monotonic() + _STOP_S
+    while any(_name_of(pid) for pid in pids) and time.monotonic() < ends:
+        time.sleep(0.1)
 
 
 def _descendants(pid: int) -> list[int]:
