@@ -329,7 +329,7 @@ def cost_of_writes(database: Database, runs: int) -> str:
     for _ in range(runs):
         begun = time.process_time()
         with database.write() as transaction:
-            (spec,) = transaction.queue.claim(owner, 1, trace_path=lambda _: "")
+            (spec,) = transaction.queue.claim(owner, 1, trace_path=lambda *_: "")
         claimed += time.process_time() - begun
         now = datetime.now(UTC)
         report = RunReport(run_id=spec.run_id, status=RunStatus.FINISHED, steps=10)

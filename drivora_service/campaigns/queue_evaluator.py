@@ -145,7 +145,7 @@ class QueueEvaluator:
     def _answer(self, report: RunReport, candidate: Candidate | None) -> Answer:
         number, spec = self._open.pop(report.run_id)
         if spec.trace_path and report.trace_sha256:
-            self._failure_traces.take(self._traces.address(report.run_id), spec.trace_path)
+            self._failure_traces.take(self._traces.written(report.run_id), spec.trace_path)
         return Answer(number=number, report=report, candidate=candidate)
 
 

@@ -244,7 +244,7 @@ class Dispatcher:
             spec = self._claimed[0]
             if spec.trace_path:
                 try:
-                    self._traces.prepare(spec.run_id)
+                    self._traces.prepare(spec.run_id, spec.attempt)
                 except OSError as error:
                     self._claimed.popleft()
                     self._take_ends([unpreparable_trace(spec, error)])

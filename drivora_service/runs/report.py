@@ -47,6 +47,7 @@ class RunSpec:
         document: The scenario document in canonical JSON text; "" if the worker makes it of a
             candidate.
         trace_path: Where the worker writes the trace; "" for none.
+        attempt: Number of the attempt at this run, from 1 on.
         agent: Agent name that overrides the document's, or "".
         seed: Seed that overrides the document's, or ``None``.
         feedback: Feedback that measures the run for a tester; ``None`` for none.
@@ -59,6 +60,7 @@ class RunSpec:
     run_id: str
     document: str
     trace_path: str = ""
+    attempt: int = 1
     agent: str = ""
     seed: int | None = None
     feedback: FeedbackChoice | None = None

@@ -53,7 +53,7 @@ class QueueRepository:
         owner_id: str,
         limit: int,
         *,
-        trace_path: Callable[[str], str],
+        trace_path: Callable[[str, int], str],
         reserved_to: str = "",
     ) -> tuple[RunSpec, ...]:
         """Leases up to ``limit`` queued runs.
@@ -65,7 +65,7 @@ class QueueRepository:
         Args:
             owner_id: Process that owns the leases.
             limit: Greatest number of runs.
-            trace_path: Returns the trace file of a run id.
+            trace_path: Returns where the trace of a run is written, by its id and the attempt.
             reserved_to: Process for which the runs are reserved; "": runs of any server.
         """
         changes = RunBatch(self._session)
@@ -89,7 +89,7 @@ class QueueRepository:
         policy: RetryPolicy,
         limit: int,
         *,
-        trace_path: Callable[[str], str],
+        trace_path: Callable[[str, int], str],
         reserved_to: str = "",
     ) -> tuple[RunSpec, ...]:
         """Writes ends as :meth:`finish` does, and leases as :meth:`claim` does.
@@ -111,7 +111,7 @@ class QueueRepository:
         changes: RunBatch,
         owner_id: str,
         limit: int,
-        trace_path: Callable[[str], str],
+        trace_path: Callable[[str, int], str],
         reserved_to: str,
     ) -> tuple[RunSpec, ...]:
         if limit <= 0:
@@ -124,12 +124,14 @@ class QueueRepository:
             for row in connection.execute(query, values):
                 run = queued_run(row)
                 agent, seed, feedback, genes, body = row[len(QUEUED_RUN) :]
+                attempt = run.attempts + 1
                 changes.start(run, lifecycle.start(run.state), owner_id=owner_id, now=now)
                 specs.append(
                     RunSpec(
                         run_id=run.id,
                         document="" if genes else body,
-                        trace_path=trace_path(run.id) if run.keeps_trace else "",
+                        trace_path=trace_path(run.id, attempt) if run.keeps_trace else "",
+                        attempt=attempt,
                         agent=agent,
                         seed=seed,
                         feedback=_feedback(feedback) if feedback else None,

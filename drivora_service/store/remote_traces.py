@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from drivora_service.errors import ConfigurationError
 from drivora_service.observations.trace_storage import is_of_objects
+from drivora_service.store.traces import later_attempts
 
 if TYPE_CHECKING:
     from fsspec import AbstractFileSystem
@@ -124,6 +125,12 @@ class Storage:
             return tuple(sorted(one.rstrip("/").rpartition("/")[2] for one in found))
         return ()
 
+    def files_below(self, folder: str) -> tuple[str, ...]:
+        """Returns the names of all files below a folder, from it on; none if there is none."""
+        root = f"{self._place(folder)}/"
+        found: list[str] = self._system.find(self._place(folder))
+        return tuple(name.removeprefix(root) for name in found if name.startswith(root))
+
     def probe(self) -> None:
         """Writes a small file, and removes it.
 
@@ -175,35 +182,59 @@ class RemoteTraceFolder:
         """The address of the storage."""
         return self._storage.address("traces")
 
-    def address(self, run_id: str) -> str:
-        """Returns the address of the trace of a run."""
-        return self._storage.address(_name(run_id))
+    def address(self, run_id: str, attempt: int = 1) -> str:
+        """Returns the address of the trace of an attempt."""
+        return self._storage.address(_name(run_id, attempt))
 
-    def prepare(self, run_id: str) -> str:
+    def prepare(self, run_id: str, attempt: int = 1) -> str:
         """Returns the address: a file is replaced as a whole, and folders need not be made."""
-        return self.address(run_id)
+        return self.address(run_id, attempt)
+
+    def written(self, run_id: str) -> str:
+        """Returns the address of the trace of a run."""
+        return self._storage.address(self._last(run_id))
 
     def path(self, run_id: str) -> Path:
         """Returns the path of a copy of the trace, which may not exist."""
-        return self._storage.copy_of(_name(run_id))
+        return self._storage.copy_of(self._last(run_id))
 
     def has(self, run_id: str) -> bool:
         """Returns whether a run has a trace."""
-        return self._storage.has(_name(run_id))
+        return self._storage.has(self._last(run_id))
 
     def written_at(self, run_id: str) -> float:
         """Returns when a trace was written."""
-        return self._storage.written_at(_name(run_id))
+        return self._storage.written_at(self._last(run_id))
 
     def remove(self, run_id: str) -> int:
-        """Removes a trace; returns its size in bytes."""
-        return self._storage.remove(_name(run_id))
+        """Removes the traces of all attempts at a run; returns their size in bytes."""
+        later = self._later(run_id)
+        size = sum(self._storage.remove(name) for name in later)
+        first = _name(run_id)
+        if later and not self._storage.has(first):
+            return size
+        return size + self._storage.remove(first)
 
     def run_ids_by_folder(self) -> Iterator[tuple[str, ...]]:
         """Yields the ids of all runs that have a trace, one folder at a time."""
         for folder in self._storage.names("traces"):
             names = self._storage.names(f"traces/{folder}")
-            yield tuple(Path(name).stem for name in names if name.endswith(".parquet"))
+            found = {Path(name).stem for name in names if name.endswith(".parquet")}
+            found.update(name for name in names if "." not in name and self._later(name))
+            yield tuple(sorted(found))
+
+    def _last(self, run_id: str) -> str:
+        return next(iter(self._later(run_id)), _name(run_id))
+
+    def _later(self, run_id: str) -> list[str]:
+        """Returns the names of the traces of attempts after the first, last to first."""
+        files = self._storage.files_below(f"traces/{run_id[-2:]}/{run_id}")
+        folders = [
+            folder
+            for folder, _, file in (name.partition("/") for name in files)
+            if file == f"{run_id}.parquet"
+        ]
+        return [_name(run_id, number) for number in later_attempts(folders)]
 
 
 class RemoteCampaignTraces:
@@ -240,8 +271,9 @@ def _used_at(path: Path) -> float:
     return 0.0
 
 
-def _name(run_id: str) -> str:
-    return f"traces/{run_id[-2:]}/{run_id}.parquet"
+def _name(run_id: str, attempt: int = 1) -> str:
+    folder = "" if attempt == 1 else f"{run_id}/{attempt}/"
+    return f"traces/{run_id[-2:]}/{folder}{run_id}.parquet"
 
 
 def _folder(campaign_id: str) -> str:

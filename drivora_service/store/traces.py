@@ -1,8 +1,10 @@
 """The places of trace files, in folders or in a storage of objects.
 
-Those of runs are ``traces/ab/<run id>.parquet``, spread by the end of the id; those of the failures
-of a campaign are ``campaigns/<campaign id>/traces/<name>``. A trace has an *address*, to which a
-worker writes it, and a *path*, at which it can be read on this machine.
+Those of runs are ``traces/ab/<run id>.parquet``, spread by the end of the id, and
+``traces/ab/<run id>/<attempt>/<run id>.parquet`` of an attempt after the first: a worker that was
+taken for dead may still write. That of the last attempt is the trace of the run. Those of the
+failures of a campaign are ``campaigns/<campaign id>/traces/<name>``. A trace has an *address*, to
+which a worker writes it, and a *path*, at which it can be read on this machine.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Protocol
 
@@ -22,17 +24,20 @@ class RunTraces(Protocol):
     def place(self) -> str:
         """Where they are, for messages."""
 
-    def address(self, run_id: str) -> str:
-        """Returns where a worker writes the trace of a run."""
+    def address(self, run_id: str, attempt: int = 1) -> str:
+        """Returns where a worker writes the trace of an attempt at a run."""
 
-    def prepare(self, run_id: str) -> str:
-        """Prepares for a run's trace, and returns its address.
+    def prepare(self, run_id: str, attempt: int = 1) -> str:
+        """Prepares for the trace of an attempt, and returns its address.
 
-        The trace of an earlier attempt is not that of the next one.
+        The trace of an earlier attempt is not that of this one, nor is that of a later one touched.
 
         Raises:
             OSError: Nothing can be written there.
         """
+
+    def written(self, run_id: str) -> str:
+        """Returns the address of the trace of a run: that of the last attempt that has one."""
 
     def path(self, run_id: str) -> Path:
         """Returns the path of the trace of a run, which may not exist.
@@ -52,7 +57,7 @@ class RunTraces(Protocol):
         """
 
     def remove(self, run_id: str) -> int:
-        """Removes a trace; returns its size in bytes.
+        """Removes the traces of all attempts at a run; returns their size in bytes.
 
         Raises:
             FileNotFoundError: There is none.
@@ -97,20 +102,26 @@ class TraceFolder:
         """The folder."""
         return str(self.root)
 
-    def address(self, run_id: str) -> str:
+    def address(self, run_id: str, attempt: int = 1) -> str:
+        """Returns the path of the trace of an attempt, absolute."""
+        return str(self._file(run_id, attempt).absolute())
+
+    def prepare(self, run_id: str, attempt: int = 1) -> str:
+        """Makes the folder of an attempt's trace, and removes those of attempts before it."""
+        path = self._file(run_id, attempt)
+        for number in (*self._later(run_id), 1):
+            if number <= attempt:
+                self._file(run_id, number).unlink(missing_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return self.address(run_id, attempt)
+
+    def written(self, run_id: str) -> str:
         """Returns the path of the trace of a run, absolute."""
         return str(self.path(run_id).absolute())
 
     def path(self, run_id: str) -> Path:
         """Returns the path of the trace of a run, which may not exist."""
-        return self.root / run_id[-2:] / f"{run_id}.parquet"
-
-    def prepare(self, run_id: str) -> str:
-        """Makes the folder of a run's trace, and removes the trace of an earlier attempt."""
-        path = self.path(run_id)
-        path.unlink(missing_ok=True)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        return self.address(run_id)
+        return self._files(run_id)[0]
 
     def has(self, run_id: str) -> bool:
         """Returns whether a run has a trace."""
@@ -121,13 +132,44 @@ class TraceFolder:
         return self.path(run_id).stat().st_mtime
 
     def remove(self, run_id: str) -> int:
-        """Removes a trace; returns its size in bytes."""
-        return _removed(self.path(run_id))
+        """Removes the traces of all attempts at a run; returns their size in bytes."""
+        size = 0
+        *later, first = self._files(run_id)
+        for path in later:
+            size += _removed(path)
+        shutil.rmtree(self._later_folder(run_id), ignore_errors=True)
+        if later and not first.is_file():
+            return size
+        return size + _removed(first)
 
     def run_ids_by_folder(self) -> Iterator[tuple[str, ...]]:
         """Yields the ids of all runs that have a trace, one folder at a time."""
         for folder in sorted(self.root.glob("??")):
-            yield tuple(sorted(path.stem for path in folder.glob("*.parquet")))
+            entries = [path for path in folder.iterdir() if not path.name.startswith(".")]
+            found = {path.stem for path in entries if path.suffix == ".parquet"}
+            found.update(path.name for path in entries if not path.suffix and self.has(path.name))
+            yield tuple(sorted(found))
+
+    def _file(self, run_id: str, attempt: int) -> Path:
+        later = self._later_folder(run_id)
+        folder = later.parent if attempt == 1 else later / str(attempt)
+        return folder / f"{run_id}.parquet"
+
+    def _files(self, run_id: str) -> tuple[Path, ...]:
+        """Returns the traces of attempts after the first, last to first, and the place of that."""
+        later = [self._file(run_id, number) for number in self._later(run_id)]
+        return (*filter(Path.is_file, later), self._file(run_id, 1))
+
+    def _later(self, run_id: str) -> list[int]:
+        """Returns the numbers of the attempts after the first, last to first."""
+        try:
+            folders = list(self._later_folder(run_id).iterdir())
+        except FileNotFoundError:
+            return []
+        return later_attempts(folder.name for folder in folders)
+
+    def _later_folder(self, run_id: str) -> Path:
+        return self.root / run_id[-2:] / run_id
 
 
 class CampaignTraces:
@@ -170,6 +212,11 @@ def run_ids(traces: RunTraces) -> Iterator[str]:
     """Yields the ids of all runs that have a trace."""
     for some in traces.run_ids_by_folder():
         yield from some
+
+
+def later_attempts(names: Iterable[str]) -> list[int]:
+    """Returns the numbers of attempts, last to first, by the names of their folders."""
+    return sorted((int(name) for name in names if name.isdecimal()), reverse=True)
 
 
 def _removed(path: Path) -> int:

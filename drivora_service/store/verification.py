@@ -63,7 +63,7 @@ def verify(
         if run_id not in expected and run_id not in unfinished:
             yield Finding(
                 kind="trace_without_run",
-                subject=traces.address(run_id),
+                subject=traces.written(run_id),
                 message="no judged run has this trace; `drivora store prune` removes it",
             )
 

@@ -147,11 +147,13 @@ def test_the_choice_of_feedback_and_of_a_trace_reach_the_worker(
     evaluate.submit([(1, RunSpec(run_id="campaign-1", document="{1}", trace_path="/somewhere"))])
     owner = register(database)
     with database.write() as transaction:
-        first, second = transaction.queue.claim(owner, 2, trace_path=lambda run_id: f"T {run_id}")
+        first, second = transaction.queue.claim(
+            owner, 2, trace_path=lambda run_id, attempt: f"T {run_id} {attempt}"
+        )
     assert first.feedback == spec(0).feedback
     assert first.trace_path == ""
     assert second.feedback is None
-    assert second.trace_path == "T campaign-1"
+    assert second.trace_path == "T campaign-1 1"
 
 
 def test_what_is_queued_runs_or_has_ended_is_not_queued_again(

@@ -20,7 +20,7 @@ from drivora_service.store.database import Database
 from drivora_service.store.records import RunSummary
 from drivora_service.store.trace_places import TracePlaces
 from tests.campaigns.test_queue_evaluator import again, campaign
-from tests.store.samples import crashed, ended, finish, finished, lost, register
+from tests.store.samples import crashed, ended, finish, finished, lost, no_trace, register
 
 SOURCE = CandidateSource(
     space=SpaceSource(seed='{"seed":1}', options='{"vehicles":3}'), values=(0.1, 1 / 3, -2e-9)
@@ -36,7 +36,7 @@ def evaluate(database: Database, tmp_path: Path) -> QueueEvaluator:
 
 def claimed(database: Database, owner: str) -> tuple[RunSpec, ...]:
     with database.write() as transaction:
-        return transaction.queue.claim(owner, 5, trace_path=lambda _run_id: "")
+        return transaction.queue.claim(owner, 5, trace_path=no_trace)
 
 
 def job(database: Database) -> tuple[RunSummary, str]:
@@ -84,8 +84,8 @@ def test_a_crash_is_tried_again_with_the_genes_and_its_scenario_is_quarantined(
 ) -> None:
     evaluate.submit([(0, SPEC)])
     owner = register(database)
-    for _ in range(2):
-        assert claimed(database, owner) == (SPEC,)
+    for attempt in (1, 2):
+        assert claimed(database, owner) == (replace(SPEC, attempt=attempt),)
         finish(database, owner, with_candidate(crashed("campaign-0")))
     (answer,) = evaluate.wait(60.0)
     assert answer.report.status is RunStatus.SIMULATOR_CRASHED
@@ -106,7 +106,7 @@ def test_a_run_that_was_lost_is_repeated_with_its_genes(
     successor = again(database, tmp_path)
     successor.submit([(0, SPEC)])
     assert job(database)[1] == SOURCE.space.seed
-    assert claimed(database, owner) == (SPEC,)
+    assert claimed(database, owner) == (replace(SPEC, attempt=4),)
 
 
 def test_a_run_that_has_ended_is_known_by_its_genes(

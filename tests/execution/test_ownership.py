@@ -17,7 +17,7 @@ from drivora_service.store.records import NewRun, Priority
 from drivora_service.store.tables import OwnerRow
 from tests.execution.owners import command, server
 from tests.postgresql_server import PostgresqlServer
-from tests.store.samples import new_run
+from tests.store.samples import new_run, no_trace
 
 LOOK_S = 2.0
 """Seconds between two heartbeats."""
@@ -34,7 +34,7 @@ def running(database: Database, owner_id: str) -> str:
     with database.write() as transaction:
         run = NewRun(document="{}", scenario_sha256="s", town="town", agent="idm", label="")
         (run_id,) = transaction.jobs.submit([run])
-        transaction.queue.claim(owner_id, 1, trace_path=str)
+        transaction.queue.claim(owner_id, 1, trace_path=no_trace)
     return run_id
 
 
@@ -191,7 +191,7 @@ def queued(database: Database, owner_id: str) -> str:
 def claimed(database: Database, by: Ownership) -> tuple[str, ...]:
     with database.write() as transaction:
         specs = transaction.queue.claim(
-            by.owner_id, 10, trace_path=lambda _: "", reserved_to=by.reserved_to
+            by.owner_id, 10, trace_path=no_trace, reserved_to=by.reserved_to
         )
     return tuple(spec.run_id for spec in specs)
 

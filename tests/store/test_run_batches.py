@@ -24,6 +24,7 @@ from tests.store.samples import (
     finish,
     finished,
     lost,
+    no_trace,
     register,
     statements,
     submit,
@@ -145,7 +146,7 @@ def test_ends_and_claims_together_take_one_statement_a_table(database: Database)
     runs = claim(database, owner, 4)
     with statements(database) as sent, database.write() as transaction:
         specs = transaction.queue.finish_and_claim(
-            owner, [finished(run_id) for run_id in runs], POLICY, 30, trace_path=str
+            owner, [finished(run_id) for run_id in runs], POLICY, 30, trace_path=no_trace
         )
     assert len(specs) == 30
     for table in ("change_epochs", "facets", "batch_facets", "batches"):
@@ -162,7 +163,7 @@ def test_a_run_that_goes_back_to_the_queue_is_found_by_the_claim_beside(
     first, second = claim(database, owner, 2)
     with database.write() as transaction:
         specs = transaction.queue.finish_and_claim(
-            owner, [lost(first), finished(second)], POLICY, 1, trace_path=str
+            owner, [lost(first), finished(second)], POLICY, 1, trace_path=no_trace
         )
     assert [spec.run_id for spec in specs] == [first]
     assert list(verify(database, TraceFolder(tmp_path / "traces"))) == []

@@ -88,6 +88,54 @@ def test_what_is_written_again_is_read_anew(places: TracePlaces) -> None:
     assert trace_sha256(read_trace(traces.path("01ab"))) == trace_sha256(OTHER)
 
 
+def test_the_trace_of_a_run_is_that_of_its_last_attempt(places: TracePlaces) -> None:
+    traces = places.of_runs()
+    first, third = traces.prepare("01ab"), traces.prepare("01ab", 3)
+    store_trace(OTHER, third)
+    # Of a worker that was taken for dead, and of a server that hung before it prepared.
+    store_trace(TRACE, first)
+    store_trace(TRACE, traces.address("01ab", 2))
+    assert traces.prepare("01ab") == first
+    assert trace_sha256(read_trace(traces.path("01ab"))) == trace_sha256(OTHER)
+    assert traces.path("01ab").name == "01ab.parquet"
+    assert traces.written("01ab") == third
+    assert traces.has("01ab")
+    assert traces.written_at("01ab") > 0.0
+    assert list(run_ids(traces)) == ["01ab"]
+    store_trace(TRACE, traces.prepare("02ab"))
+    store_trace(TRACE, first)
+    assert list(traces.run_ids_by_folder()) == [("01ab", "02ab")]
+    failures = places.of_failures()
+    failures.take(traces.written("01ab"), failures.address("camp", "1.trace.parquet"))
+    kept = read_trace(failures.path("camp", "1.trace.parquet"))
+    assert trace_sha256(kept) == trace_sha256(OTHER)
+    size = traces.path("01ab").stat().st_size
+    assert traces.remove("01ab") > size
+    assert not traces.has("01ab")
+    with pytest.raises(FileNotFoundError):
+        traces.remove("01ab")
+    assert list(run_ids(traces)) == ["02ab"]
+
+
+def test_a_trace_of_a_later_attempt_alone_is_removed(places: TracePlaces) -> None:
+    traces = places.of_runs()
+    store_trace(TRACE, traces.prepare("01ab", 12))
+    store_trace(OTHER, traces.prepare("01ab", 9))
+    assert trace_sha256(read_trace(traces.path("01ab"))) == trace_sha256(TRACE)
+    assert traces.remove("01ab") > 0
+    assert list(run_ids(traces)) == []
+    assert traces.path("01ab").is_file() is False
+
+
+def test_an_attempt_begins_without_the_traces_of_those_before(tmp_path: Path) -> None:
+    traces = TracePlaces.below(tmp_path).of_runs()
+    for attempt in (1, 2):
+        store_trace(TRACE, traces.prepare("01ab", attempt))
+    traces.prepare("01ab", 3)
+    assert not traces.has("01ab")
+    assert list(tmp_path.rglob("*.parquet")) == []
+
+
 def test_what_another_process_writes_into_a_listed_folder_is_found(places: TracePlaces) -> None:
     traces = places.of_runs()
     store_trace(TRACE, traces.prepare("01ab"))
