@@ -128,7 +128,12 @@ class Storage:
     def files_below(self, folder: str) -> tuple[str, ...]:
         """Returns the names of all files below a folder, from it on; none if there is none."""
         root = f"{self._place(folder)}/"
-        found: list[str] = self._system.find(self._place(folder))
+        if is_of_objects(self._system.protocol):
+            # By the beginning of their names that is one request; of a folder it would be three.
+            parent, _, name = self._place(folder).rpartition("/")
+            found: list[str] = self._system.find(parent, prefix=f"{name}/")
+        else:
+            found = self._system.find(self._place(folder))
         return tuple(name.removeprefix(root) for name in found if name.startswith(root))
 
     def probe(self) -> None:
