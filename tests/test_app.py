@@ -27,7 +27,10 @@ def test_a_data_folder_has_one_service(tmp_path: Path) -> None:
         httpx.get(url)
 
 
-@pytest.mark.parametrize("ending", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize(
+    "ending",
+    [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow(seconds=10))],
+)
 def test_signals_end_a_service_in_good_order(tmp_path: Path, ending: signal.Signals) -> None:
     options = ["--data-dir", str(tmp_path), "--port", "0", "--workers", "1"]
     process = subprocess.Popen(

@@ -23,6 +23,7 @@ def modes(folder: Path) -> dict[str, str]:
     }
 
 
+@pytest.mark.slow(seconds=20)
 def test_results_have_the_modes_of_the_user_and_stored_data_is_private(
     tmp_path: Path, scenario_file: Path
 ) -> None:

@@ -56,7 +56,14 @@ def loaded_at_the_first_run(folder: Path, *arguments: str) -> list[str]:
     return found[0].split()[1:]
 
 
-@pytest.mark.parametrize("method", ["random", "avfuzzer", "behavexplor"])
+@pytest.mark.parametrize(
+    "method",
+    [
+        "random",
+        pytest.param("avfuzzer", marks=pytest.mark.slow(seconds=10)),
+        pytest.param("behavexplor", marks=pytest.mark.slow(seconds=10)),
+    ],
+)
 def test_a_campaign_begins_without_compiler(tmp_path: Path, method: str) -> None:
     file = tmp_path / "campaign.json"
     file.write_text(json.dumps({**CAMPAIGN, "tester": {"name": method}}))

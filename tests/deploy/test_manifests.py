@@ -407,6 +407,7 @@ def slurm(tmp_path: Path, deploy: Path) -> Iterator[dict[str, Any]]:
     assert not left.stdout
 
 
+@pytest.mark.slow(seconds=15)
 def test_the_slurm_script_starts_a_cluster_and_a_campaign(
     slurm: dict[str, Any], deploy: Path, tmp_path: Path
 ) -> None:

@@ -206,6 +206,7 @@ def test_a_run_without_the_simulator_stops(environment: dict[str, str], reposito
     assert_says_what_is_missing(ended.stderr)
 
 
+@pytest.mark.slow(seconds=15)
 def test_a_campaign_without_the_simulator_stops_and_can_be_resumed(
     environment: dict[str, str], tmp_path: Path
 ) -> None:

@@ -62,8 +62,8 @@ def batch_id(database: Database) -> str:
     return batch.id
 
 
-def filters(batch_id: str) -> Iterator[JobFilter]:
-    """Every filter of up to three parts."""
+def filters(batch_id: str, sizes: range) -> Iterator[JobFilter]:
+    """Every filter of so many parts."""
     values: dict[str, Any] = {
         "batch_id": batch_id,
         "statuses": frozenset({RunStatus.FINISHED, RunStatus.SIMULATOR_CRASHED}),
@@ -77,20 +77,27 @@ def filters(batch_id: str) -> Iterator[JobFilter]:
         "since": BEGIN + timedelta(minutes=3),
         "until": BEGIN + timedelta(minutes=14),
     }
-    for size in range(4):
+    for size in sizes:
         for names in combinations(values, size):
             yield JobFilter(**{name: values[name] for name in names})
 
 
 @slow_on_postgresql
-def test_counts_are_the_lengths_of_the_lists(database: Database, batch_id: str) -> None:
+@pytest.mark.parametrize(
+    "sizes",
+    [range(3), pytest.param(range(3, 4), marks=pytest.mark.slow(seconds=20))],
+    ids=["up to two parts", "three parts"],
+)
+def test_counts_are_the_lengths_of_the_lists(
+    database: Database, batch_id: str, sizes: range
+) -> None:
     totals: set[int] = set()
     with database.read() as transaction:
 
         def number(wanted: JobFilter) -> int:
             return len(transaction.jobs.page(wanted, limit=500).items)
 
-        for wanted in filters(batch_id):
+        for wanted in filters(batch_id, sizes):
             counts = transaction.jobs.counts_by_filter(wanted)
             totals.add(counts.total)
             assert counts.total == number(wanted), wanted
@@ -116,7 +123,7 @@ def test_counts_are_the_lengths_of_the_lists(database: Database, batch_id: str) 
             ), wanted
     # Filters that let nothing or everything pass would compare nothing.
     assert len(totals) > 8
-    assert max(totals) == 20
+    assert max(totals) > 10
 
 
 def test_runs_are_found_by_the_time_of_their_submission(database: Database, batch_id: str) -> None:
