@@ -7,6 +7,7 @@ import threading
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
+from functools import partial
 
 import structlog
 from fastapi import FastAPI
@@ -35,6 +36,7 @@ from drivora_service.settings import Settings
 from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import make_data_folder, open_database
 from drivora_service.store.server_folder import ServerFolder
+from drivora_service.store.stored_traces import stored_trace
 from drivora_service.store.work_locks import WorkKind
 from drivora_service.studies.service_studies import ServiceStudies
 from drivora_service.suites.minimization.runner import MinimizationRunner
@@ -129,10 +131,11 @@ def create_service(
         settings.agents_folder,
         law_sources(settings.laws_folder),
     )
+    trace_path = partial(stored_trace, lambda: database, traces)
     minimizations = MinimizationRunner(
         lambda: database,
         catalogues,
-        traces.path,
+        trace_path,
         at_once=settings.workers,
         on_queued=dispatcher.wake,
         explained=lambda: bool(infrastructure.confirm_now()),
@@ -198,7 +201,7 @@ def create_service(
             batch_items=settings.max_batch_items,
             queued_runs=settings.queue_limit,
         ),
-        trace_path=traces.path,
+        trace_path=trace_path,
         gene_spaces=GeneSpaces(catalogues),
         campaign_folder=engine_setup.folder,
         wake=dispatcher.wake,

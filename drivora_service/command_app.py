@@ -13,6 +13,7 @@ import tempfile
 import threading
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
 
 from fastapi import FastAPI
@@ -39,6 +40,7 @@ from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
 from drivora_service.store.command_database import CommandDatabase
 from drivora_service.store.command_locks import CommandLocks
+from drivora_service.store.stored_traces import stored_trace
 from drivora_service.store.trace_places import TracePlaces
 from drivora_service.studies.command_studies import CommandSetup, CommandStudies
 from drivora_service.suites.minimization.runner import MinimizationRunner
@@ -172,7 +174,7 @@ def create_command_app(
         ),
     )
     places = trace_places(settings)
-    traces = places.of_runs()
+    trace_path = partial(stored_trace, database, places.of_runs())
     runs = CommandRuns(settings, database, places, workers or settings.workers)
     catalogues = Catalogues(
         NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
@@ -231,7 +233,7 @@ def create_command_app(
     minimizations = MinimizationRunner(
         database,
         catalogues,
-        traces.path,
+        trace_path,
         owner_id=lambda: runs.owner_id,
         at_once=workers or settings.workers,
         on_queued=runs.wake,
@@ -264,7 +266,7 @@ def create_command_app(
             batch_items=_NO_LIMIT,
             queued_runs=_NO_LIMIT,
         ),
-        trace_path=traces.path,
+        trace_path=trace_path,
         gene_spaces=GeneSpaces(catalogues),
         campaign_folder=campaign_folder,
         wake=runs.wake,

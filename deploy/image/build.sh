@@ -17,6 +17,9 @@ done
 
 if command -v buildah > /dev/null; then
   engine=buildah
+  # A process that may not mount, as in many containers, can make none.
+  empty=$(buildah from scratch) || { echo "no image was built: buildah makes no container" >&2; exit 3; }
+  buildah rm "$empty" > /dev/null
 elif command -v docker > /dev/null && docker info > /dev/null 2>&1; then
   engine=docker
 else

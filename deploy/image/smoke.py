@@ -22,7 +22,7 @@ import sys
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -107,14 +107,15 @@ class Buildah:
             # Only to the init of the container, which tells the service.
             below = _descendants(process.pid)
             inits = [pid for pid in below if _name_of(pid) == self._entrypoint[0]]
-            started = [child for pid in inits for child in _descendants(pid)]
+            started = _opened(child for pid in inits for child in _descendants(pid))
             for pid in inits:
                 os.kill(pid, signal.SIGTERM)
             _wait_until_ended(inits)
             # In a chroot, the end of the init ends no other process.
-            for pid in started:
+            for process_file in started:
                 with suppress(ProcessLookupError):
-                    os.kill(pid, signal.SIGKILL)
+                    signal.pidfd_send_signal(process_file, signal.SIGKILL)
+                os.close(process_file)
             code = _wait(process)
         if code:
             raise Failed(f"the service ended with {code}")
@@ -207,8 +208,8 @@ def main() -> int:
     log = Path(f"smoke-{os.getpid()}.log").resolve()
     try:
         _try_image(container, options.most_mb, log, with_ray=options.ray)
-    except Failed as error:
-        print(f"smoke: FAILED: {error}", file=sys.stderr)
+    except (Failed, OSError) as error:
+        print(f"smoke: FAILED: {error!r}", file=sys.stderr)
         if log.is_file():
             print(log.read_text(), file=sys.stderr)
         return 1
@@ -339,6 +340,15 @@ def _wait(process: subprocess.Popen[bytes]) -> int:
         for pid in [*_descendants(process.pid), process.pid]:
             os.kill(pid, signal.SIGKILL)
         raise Failed("the service did not stop when it was asked to") from None
+
+
+def _opened(pids: Iterable[int]) -> list[int]:
+    """Returns files of processes, which are no other ones when their ids are given anew."""
+    files = []
+    for pid in pids:
+        with suppress(ProcessLookupError):
+            files.append(os.pidfd_open(pid))
+    return files
 
 
 def _wait_until_ended(pids: list[int]) -> None:

@@ -15,6 +15,7 @@ from drivora_service.scenario.canonical import from_canonical
 from drivora_service.store.campaign_records import CampaignRecord
 from drivora_service.store.database import Database
 from drivora_service.store.records import NewRun
+from drivora_service.store.stored_traces import last_attempt
 from drivora_service.store.trace_places import TracePlaces
 
 _FIRST_POLL_S = 0.01
@@ -145,7 +146,10 @@ class QueueEvaluator:
     def _answer(self, report: RunReport, candidate: Candidate | None) -> Answer:
         number, spec = self._open.pop(report.run_id)
         if spec.trace_path and report.trace_sha256:
-            self._failure_traces.take(self._traces.written(report.run_id), spec.trace_path)
+            with self._database.read() as transaction:
+                attempt = last_attempt(transaction.session, report.run_id)
+            written = self._traces.address(report.run_id, attempt)
+            self._failure_traces.take(written, spec.trace_path)
         return Answer(number=number, report=report, candidate=candidate)
 
 

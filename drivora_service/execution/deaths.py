@@ -21,6 +21,9 @@ _CRASHES = frozenset(
 )
 """Signals that a program's own fault raises; others come from outside."""
 
+WORKER_LOST = "worker_lost"
+"""Cause of an attempt whose worker was killed from outside."""
+
 
 def signal_name(exit_code: int) -> str:
     """Returns the name of the signal of a negative exit code, "" for any other."""
@@ -82,10 +85,10 @@ def _place(progress: Progress) -> str:
     return f"while {progress.phase.name.lower()}, at step {progress.step}"
 
 
-def report_loss(run_id: str, message: str, log: str) -> RunReport:
+def report_loss(run_id: str, message: str, log: str, *, cause: str = WORKER_LOST) -> RunReport:
     """Returns the report of a run whose worker was lost to the infrastructure."""
     return RunReport(
         run_id=run_id,
         status=RunStatus.INFRASTRUCTURE_FAILED,
-        failure=RunFailure(cause="worker_lost", message=message, log=log),
+        failure=RunFailure(cause=cause, message=message, log=log),
     )

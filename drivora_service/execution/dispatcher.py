@@ -5,7 +5,8 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import structlog
 
@@ -73,8 +74,11 @@ class Dispatcher:
         self._infrastructure = infrastructure
         self._policy = policy
         self._ownership = ownership
-        self._in_flight: set[str] = set()
+        # The number of the attempt, by the id of its run.
+        self._in_flight: dict[str, int] = {}
         self._claimed: deque[RunSpec] = deque()
+        # Attempts that wait for the end of an earlier one at the same run, which no longer counts.
+        self._next: dict[str, RunSpec] = {}
         self._unwritten: list[AttemptEnd] = []
         self._withdrawn: set[str] = set()
         self._faults = FaultLog(_log)
@@ -178,14 +182,27 @@ class Dispatcher:
 
     def _take_ends(self, ends: Sequence[AttemptEnd]) -> None:
         """Keeps ends to be written; runs that a storage fault ended go back to the queue."""
-        self._unwritten += ends
         for end in ends:
             self._pace.note((end.ended - end.started).total_seconds())
+        ends = [
+            replace(end, attempt=self._in_flight.get(end.report.run_id, 0))
+            for end in ends
+            if not self._claim_next(end.report.run_id)
+        ]
+        self._unwritten += ends
         suspects = [end for end in ends if may_be_storage(end.report)]
         if not suspects or not self._infrastructure.confirm_now():
             return
         self._withdrawn.update(end.report.run_id for end in suspects)
         self._unwritten = [end for end in self._unwritten if end not in suspects]
+
+    def _claim_next(self, run_id: str) -> bool:
+        """Returns whether a run's next attempt waited for the end of this one; it is begun then."""
+        spec = self._next.pop(run_id, None)
+        if spec is not None:
+            self._in_flight[run_id] = spec.attempt
+            self._claimed.append(spec)
+        return spec is not None
 
     def _room(self, *, ended: int = 0) -> int:
         """Returns how many runs may be claimed now if ``ended`` of those in flight have ended."""
@@ -231,9 +248,14 @@ class Dispatcher:
             if beats:
                 transaction.workers.beat(self._ownership.owner_id, slots)
         self._unwritten = [end for end in self._unwritten if end.report.run_id not in done]
-        self._in_flight -= done
-        self._in_flight.update(spec.run_id for spec in specs)
-        self._claimed += specs
+        self._forget(done)
+        for spec in specs:
+            if spec.run_id in self._in_flight:
+                # This process was taken for dead: its earlier attempt no longer counts.
+                self._next[spec.run_id] = spec
+            else:
+                self._in_flight[spec.run_id] = spec.attempt
+                self._claimed.append(spec)
         self._to_cancel.update(cancelled)
         if beats:
             self._ownership.take_over()
@@ -270,15 +292,20 @@ class Dispatcher:
             return
         with self._database.write() as transaction:
             transaction.queue.release(self._ownership.owner_id, sorted(self._withdrawn))
-        self._in_flight -= self._withdrawn
+        self._forget(self._withdrawn)
         self._withdrawn.clear()
+
+    def _forget(self, run_ids: Iterable[str]) -> None:
+        for run_id in run_ids:
+            self._in_flight.pop(run_id, None)
+            self._next.pop(run_id, None)
 
     def _cancel(self) -> None:
         """Cancels runs, repeatedly, since a run may be on its way from one queue to another."""
         if self._in_flight and self._looks.is_over():
             with self._database.read() as transaction:
                 self._to_cancel.update(transaction.queue.to_cancel())
-        wanted = self._in_flight.intersection(self._to_cancel)
+        wanted = self._in_flight.keys() & (self._to_cancel | self._next.keys())
         self._to_cancel.clear()
         for run_id in wanted.difference(end.report.run_id for end in self._unwritten):
             self._executor.cancel(run_id)

@@ -17,6 +17,7 @@ class AttemptEnd:
         worker: Name of the slot.
         started: When the slot took the run, UTC.
         ended: When the slot saw its end, UTC.
+        attempt: Its number; 0 for the one that is open, whichever that is.
         signal: Name of the signal that ended the worker process, such as ``SIGSEGV``, or "".
         candidate: What the worker made of the spec's genes; ``None`` if it made nothing of them, or
             there are none.
@@ -26,5 +27,6 @@ class AttemptEnd:
     worker: str
     started: datetime
     ended: datetime
+    attempt: int = 0
     signal: str = ""
     candidate: Candidate | None = None

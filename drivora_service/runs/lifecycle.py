@@ -7,7 +7,7 @@
       │                 ├── simulator_crashed: repeated once; the second crash is final and
       │                 │   quarantines the scenario; an error that SUMO reported is final
       ├─── again ◀──────┤
-      │                 ├── infrastructure_failed: again, up to a limit
+      │                 ├── infrastructure_failed: again, up to a limit (not_begun: always)
       │                 └── interrupted (the server died): again, up to a limit
       └──cancel──▶ cancelled
 
@@ -27,6 +27,9 @@ LONGEST_WAIT_S = 600.0
 
 SIMULATOR_ERROR = "simulator_error"
 """Cause of a run in which SUMO refused a call that should have worked."""
+
+NOT_BEGUN = "not_begun"
+"""Cause of an attempt that was lost before a worker is known to have begun it; it costs nothing."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,6 +112,8 @@ def end(state: RunState, report: RunReport, policy: RetryPolicy) -> Transition:
                 return Transition(state=_final(state, report), report=report, quarantine=True)
             return _again(state, report.run_id)
         case RunStatus.INFRASTRUCTURE_FAILED:
+            if report.failure is not None and report.failure.cause == NOT_BEGUN:
+                return _again(state, report.run_id)
             state = replace(state, infrastructure_failures=state.infrastructure_failures + 1)
             if state.infrastructure_failures >= policy.infrastructure_failures:
                 return Transition(state=_final(state, report), report=report)

@@ -69,7 +69,7 @@ def back_up(
             source.rollback()
             runs = destination.execute("SELECT count(*) FROM runs").fetchone()[0]
             traced = destination.execute(
-                "SELECT id FROM runs WHERE trace_sha256 != '' ORDER BY seq"
+                "SELECT id, attempts FROM runs WHERE trace_sha256 != '' ORDER BY seq"
             ).fetchall()
             failures = destination.execute(
                 "SELECT DISTINCT campaigns.id, failures.trace FROM failures "
@@ -80,7 +80,10 @@ def back_up(
         into = TraceFolder(target / "traces")
         into_campaigns = CampaignTraces(target / "campaigns")
         copies = [
-            *((run_id, traces.path(run_id), into.path(run_id)) for (run_id,) in traced),
+            *(
+                (run_id, traces.path(run_id, attempt), into.path(run_id))
+                for run_id, attempt in traced
+            ),
             *(
                 (
                     f"{campaign_id}/{name}",

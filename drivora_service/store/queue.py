@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from functools import lru_cache
 from typing import Any
@@ -147,7 +147,9 @@ class QueueRepository:
             return ()
         final: list[RunReport] = []
         leases = self._leases(owner_id, [end.report.run_id for end in ends])
-        decoded = self._store_decoded([end for end in ends if end.report.run_id in leases])
+        # Of an attempt that was taken for lost, after which the owner has begun another one.
+        ends = [end for end in ends if not _is_over(end, leases)]
+        decoded = self._store_decoded(ends)
         for end in ends:
             lease = leases.pop(end.report.run_id, None)
             if lease is None:
@@ -281,6 +283,12 @@ class QueueRepository:
             ]
         leases = [(queued_run(row), row[-1]) for row in rows]
         return {run.id: (run, number) for run, number in leases}
+
+
+def _is_over(end: AttemptEnd, leases: Mapping[str, tuple[QueuedRun, int]]) -> bool:
+    """Returns whether an attempt was closed before its end was known."""
+    lease = leases.get(end.report.run_id)
+    return lease is None or end.attempt not in (0, lease[1])
 
 
 @lru_cache(maxsize=64)

@@ -133,8 +133,17 @@ class Storage:
             parent, _, name = self._place(folder).rpartition("/")
             found: list[str] = self._system.find(parent, prefix=f"{name}/")
         else:
-            found = self._system.find(self._place(folder))
+            try:
+                found = self._system.find(self._place(folder), on_error="raise")
+            except FileNotFoundError:
+                return ()
         return tuple(name.removeprefix(root) for name in found if name.startswith(root))
+
+    def remove_folder(self, folder: str) -> None:
+        """Removes a folder and what is in it; nothing if there is none, or there are no folders."""
+        if not is_of_objects(self._system.protocol):
+            with contextlib.suppress(FileNotFoundError):
+                self._system.rm(self._place(folder), recursive=True)
 
     def probe(self) -> None:
         """Writes a small file, and removes it.
@@ -195,51 +204,40 @@ class RemoteTraceFolder:
         """Returns the address: a file is replaced as a whole, and folders need not be made."""
         return self.address(run_id, attempt)
 
-    def written(self, run_id: str) -> str:
-        """Returns the address of the trace of a run."""
-        return self._storage.address(self._last(run_id))
-
-    def path(self, run_id: str) -> Path:
-        """Returns the path of a copy of the trace, which may not exist."""
-        return self._storage.copy_of(self._last(run_id))
-
-    def has(self, run_id: str) -> bool:
-        """Returns whether a run has a trace."""
-        return self._storage.has(self._last(run_id))
+    def path(self, run_id: str, attempt: int = 1) -> Path:
+        """Returns the path of a copy of the trace of an attempt, which may not exist."""
+        copy = self._storage.copy_of(_name(run_id, attempt))
+        # Earlier versions of Drivora, and backups, have one place for all attempts.
+        return copy if attempt == 1 or copy.is_file() else self._storage.copy_of(_name(run_id))
 
     def written_at(self, run_id: str) -> float:
-        """Returns when a trace was written."""
-        return self._storage.written_at(self._last(run_id))
+        """Returns when the last trace of a run was written."""
+        return max(map(self._storage.written_at, self._files(run_id)))
 
     def remove(self, run_id: str) -> int:
         """Removes the traces of all attempts at a run; returns their size in bytes."""
-        later = self._later(run_id)
-        size = sum(self._storage.remove(name) for name in later)
-        first = _name(run_id)
-        if later and not self._storage.has(first):
-            return size
-        return size + self._storage.remove(first)
+        size = sum(map(self._storage.remove, self._files(run_id)))
+        self._storage.remove_folder(_later_folder(run_id))
+        return size
 
     def run_ids_by_folder(self) -> Iterator[tuple[str, ...]]:
         """Yields the ids of all runs that have a trace, one folder at a time."""
         for folder in self._storage.names("traces"):
             names = self._storage.names(f"traces/{folder}")
-            found = {Path(name).stem for name in names if name.endswith(".parquet")}
-            found.update(name for name in names if "." not in name and self._later(name))
-            yield tuple(sorted(found))
+            files = {Path(name).stem for name in names if name.endswith(".parquet")}
+            later = {name for name in names if "." not in name and self._later(name)}
+            yield tuple(sorted(files | later))
 
-    def _last(self, run_id: str) -> str:
-        return next(iter(self._later(run_id)), _name(run_id))
+    def _files(self, run_id: str) -> tuple[str, ...]:
+        """Returns the names of the traces of all attempts; that of the first if there is none."""
+        later, first = self._later(run_id), _name(run_id)
+        return (*later, first) if not later or self._storage.has(first) else later
 
-    def _later(self, run_id: str) -> list[str]:
-        """Returns the names of the traces of attempts after the first, last to first."""
-        files = self._storage.files_below(f"traces/{run_id[-2:]}/{run_id}")
-        folders = [
-            folder
-            for folder, _, file in (name.partition("/") for name in files)
-            if file == f"{run_id}.parquet"
-        ]
-        return [_name(run_id, number) for number in later_attempts(folders)]
+    def _later(self, run_id: str) -> tuple[str, ...]:
+        """Returns the names of the traces of attempts after the first."""
+        split = [name.partition("/") for name in self._storage.files_below(_later_folder(run_id))]
+        folders = [folder for folder, _, file in split if file == f"{run_id}.parquet"]
+        return tuple(_name(run_id, number) for number in later_attempts(folders))
 
 
 class RemoteCampaignTraces:
@@ -277,8 +275,12 @@ def _used_at(path: Path) -> float:
 
 
 def _name(run_id: str, attempt: int = 1) -> str:
-    folder = "" if attempt == 1 else f"{run_id}/{attempt}/"
-    return f"traces/{run_id[-2:]}/{folder}{run_id}.parquet"
+    later = _later_folder(run_id)
+    return f"{later}.parquet" if attempt == 1 else f"{later}/{attempt}/{run_id}.parquet"
+
+
+def _later_folder(run_id: str) -> str:
+    return f"traces/{run_id[-2:]}/{run_id}"
 
 
 def _folder(campaign_id: str) -> str:

@@ -2,9 +2,9 @@
 
 Those of runs are ``traces/ab/<run id>.parquet``, spread by the end of the id, and
 ``traces/ab/<run id>/<attempt>/<run id>.parquet`` of an attempt after the first: a worker that was
-taken for dead may still write. That of the last attempt is the trace of the run. Those of the
-failures of a campaign are ``campaigns/<campaign id>/traces/<name>``. A trace has an *address*, to
-which a worker writes it, and a *path*, at which it can be read on this machine.
+taken for dead may still write. The trace of a run is that of the attempt that ended it. Those of
+the failures of a campaign are ``campaigns/<campaign id>/traces/<name>``. A trace has an *address*,
+to which a worker writes it, and a *path*, at which it can be read on this machine.
 """
 
 from __future__ import annotations
@@ -36,21 +36,15 @@ class RunTraces(Protocol):
             OSError: Nothing can be written there.
         """
 
-    def written(self, run_id: str) -> str:
-        """Returns the address of the trace of a run: that of the last attempt that has one."""
-
-    def path(self, run_id: str) -> Path:
-        """Returns the path of the trace of a run, which may not exist.
+    def path(self, run_id: str, attempt: int = 1) -> Path:
+        """Returns the path of the trace of an attempt, which may not exist.
 
         Raises:
             OSError: The storage does not answer.
         """
 
-    def has(self, run_id: str) -> bool:
-        """Returns whether a run has a trace."""
-
     def written_at(self, run_id: str) -> float:
-        """Returns when a trace was written, in seconds since 1970.
+        """Returns when the last trace of a run was written, in seconds since 1970.
 
         Raises:
             FileNotFoundError: There is none.
@@ -108,47 +102,39 @@ class TraceFolder:
 
     def prepare(self, run_id: str, attempt: int = 1) -> str:
         """Makes the folder of an attempt's trace, and removes those of attempts before it."""
-        path = self._file(run_id, attempt)
-        for number in (*self._later(run_id), 1):
+        file = self._file(run_id, attempt)
+        for number in self._attempts(run_id):
+            earlier = self._file(run_id, number)
             if number <= attempt:
-                self._file(run_id, number).unlink(missing_ok=True)
-        path.parent.mkdir(parents=True, exist_ok=True)
+                earlier.unlink(missing_ok=True)
+            if 1 < number < attempt:
+                with contextlib.suppress(OSError):
+                    earlier.parent.rmdir()
+        file.parent.mkdir(parents=True, exist_ok=True)
         return self.address(run_id, attempt)
 
-    def written(self, run_id: str) -> str:
-        """Returns the path of the trace of a run, absolute."""
-        return str(self.path(run_id).absolute())
-
-    def path(self, run_id: str) -> Path:
-        """Returns the path of the trace of a run, which may not exist."""
-        return self._files(run_id)[0]
-
-    def has(self, run_id: str) -> bool:
-        """Returns whether a run has a trace."""
-        return self.path(run_id).is_file()
+    def path(self, run_id: str, attempt: int = 1) -> Path:
+        """Returns the path of the trace of an attempt, which may not exist."""
+        file = self._file(run_id, attempt)
+        # Earlier versions of Drivora, and backups, have one place for all attempts.
+        return file if attempt == 1 or file.is_file() else self._file(run_id, 1)
 
     def written_at(self, run_id: str) -> float:
-        """Returns when a trace was written."""
-        return self.path(run_id).stat().st_mtime
+        """Returns when the last trace of a run was written."""
+        return max(file.stat().st_mtime for file in self._files(run_id))
 
     def remove(self, run_id: str) -> int:
         """Removes the traces of all attempts at a run; returns their size in bytes."""
-        size = 0
-        *later, first = self._files(run_id)
-        for path in later:
-            size += _removed(path)
-        shutil.rmtree(self._later_folder(run_id), ignore_errors=True)
-        if later and not first.is_file():
-            return size
-        return size + _removed(first)
+        try:
+            return sum(map(_removed, self._files(run_id)))
+        finally:
+            shutil.rmtree(self._later_folder(run_id), ignore_errors=True)
 
     def run_ids_by_folder(self) -> Iterator[tuple[str, ...]]:
         """Yields the ids of all runs that have a trace, one folder at a time."""
-        for folder in sorted(self.root.glob("??")):
-            entries = [path for path in folder.iterdir() if not path.name.startswith(".")]
-            found = {path.stem for path in entries if path.suffix == ".parquet"}
-            found.update(path.name for path in entries if not path.suffix and self.has(path.name))
-            yield tuple(sorted(found))
+        for folder in sorted(filter(Path.is_dir, self.root.glob("??"))):
+            files = {path.stem for path in folder.glob("*.parquet")}
+            yield tuple(sorted(files | {path.parts[-3] for path in folder.glob("*/*/*.parquet")}))
 
     def _file(self, run_id: str, attempt: int) -> Path:
         later = self._later_folder(run_id)
@@ -156,17 +142,17 @@ class TraceFolder:
         return folder / f"{run_id}.parquet"
 
     def _files(self, run_id: str) -> tuple[Path, ...]:
-        """Returns the traces of attempts after the first, last to first, and the place of that."""
-        later = [self._file(run_id, number) for number in self._later(run_id)]
-        return (*filter(Path.is_file, later), self._file(run_id, 1))
+        """Returns the traces of all attempts; the place of the first one if there is none."""
+        files = [self._file(run_id, number) for number in self._attempts(run_id)]
+        return tuple(filter(Path.is_file, files)) or (self._file(run_id, 1),)
 
-    def _later(self, run_id: str) -> list[int]:
-        """Returns the numbers of the attempts after the first, last to first."""
+    def _attempts(self, run_id: str) -> tuple[int, ...]:
+        """Returns the numbers of the attempts that may have a trace."""
         try:
             folders = list(self._later_folder(run_id).iterdir())
-        except FileNotFoundError:
-            return []
-        return later_attempts(folder.name for folder in folders)
+        except (FileNotFoundError, NotADirectoryError):
+            return (1,)
+        return (1, *later_attempts(folder.name for folder in folders))
 
     def _later_folder(self, run_id: str) -> Path:
         return self.root / run_id[-2:] / run_id
@@ -214,9 +200,9 @@ def run_ids(traces: RunTraces) -> Iterator[str]:
         yield from some
 
 
-def later_attempts(names: Iterable[str]) -> list[int]:
-    """Returns the numbers of attempts, last to first, by the names of their folders."""
-    return sorted((int(name) for name in names if name.isdecimal()), reverse=True)
+def later_attempts(names: Iterable[str]) -> tuple[int, ...]:
+    """Returns the numbers of attempts by the names of their folders."""
+    return tuple(sorted(int(name) for name in names if name.isdecimal()))
 
 
 def _removed(path: Path) -> int:

@@ -47,12 +47,13 @@ def verify(
         yield from campaign_counts(session)
         yield from failure_findings(session)
         expected_failures = traced_failures(session)
-        traced = select(RunRow.id, RunRow.trace_sha256).where(RunRow.trace_sha256 != "")
-        expected = {row[0]: row[1] for row in session.execute(traced)}
+        traced = select(RunRow.id, RunRow.attempts, RunRow.trace_sha256)
+        rows = session.execute(traced.where(RunRow.trace_sha256 != ""))
+        expected = {row.id: (row.attempts, row.trace_sha256) for row in rows}
         # Running runs may have a trace already.
         unfinished = set(session.scalars(select(RunRow.id).where(RunRow.status.in_(UNFINISHED))))
-    for run_id, sha256 in expected.items():
-        yield from _trace(run_id, traces.path(run_id), sha256, hash_trace)
+    for run_id, (attempt, sha256) in expected.items():
+        yield from _trace(run_id, traces.path(run_id, attempt), sha256, hash_trace)
     if campaign_traces is not None:
         for failure in expected_failures:
             path = campaign_traces.path(failure.campaign_id, failure.name)
@@ -63,7 +64,7 @@ def verify(
         if run_id not in expected and run_id not in unfinished:
             yield Finding(
                 kind="trace_without_run",
-                subject=traces.written(run_id),
+                subject=traces.address(run_id),
                 message="no judged run has this trace; `drivora store prune` removes it",
             )
 

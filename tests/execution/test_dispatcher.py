@@ -12,6 +12,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, cast
 
@@ -23,6 +24,7 @@ from drivora_service.execution.executor import Executor, Limits
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.supervised import Backoff
+from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.report import RunStatus
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.records import JobFilter, NewRun, Priority
@@ -129,6 +131,35 @@ def test_a_batch_with_bad_runs_is_judged_and_the_crash_quarantined(
     assert [slot.name for owner in owners for slot in owner.slots] == ["slot-0", "slot-1"]
     assert (crash.run_id, crash.signal) == (ids[3], "SIGSEGV")
     assert [attempt.signal for attempt in attempts] == ["SIGSEGV", "SIGSEGV"], attempts
+    assert list(verify(database, TraceFolder(tmp_path / "traces"))) == []
+
+
+def test_a_run_that_was_taken_away_and_comes_back_is_begun_anew(
+    database: Database, tmp_path: Path
+) -> None:
+    with serving(database, tmp_path, slots=1) as dispatcher:
+        submit(database, "sleep 0")
+        dispatcher.wake()
+        wait_until_over(database)
+        # The worker is there now, and begins at once.
+        (run_id,) = submit(database, "sleep 2")
+        dispatcher.wake()
+        wait_until_running(database, 1)
+        time.sleep(0.5)
+        with database.write() as transaction:
+            (owner,) = transaction.workers.living()
+            # As another server does that takes this one for dead.
+            assert transaction.queue.reclaim(owner.id, RetryPolicy()) == 1
+        taken_away = datetime.now(UTC)
+        dispatcher.wake()
+        wait_until_over(database)
+    with database.read() as transaction:
+        first, second = transaction.jobs.attempts(run_id)
+    assert (first.outcome, second.outcome) == ("interrupted", "finished")
+    assert second.started_at is not None
+    assert second.ended_at is not None
+    assert second.started_at > taken_away
+    assert (second.ended_at - second.started_at).total_seconds() > 1.9
     assert list(verify(database, TraceFolder(tmp_path / "traces"))) == []
 
 

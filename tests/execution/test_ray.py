@@ -186,8 +186,9 @@ def test_a_cluster_that_ends_is_a_fault_and_not_a_hang(tmp_path: Path) -> None:
         cluster.end()
         until(lambda: executor.fault)
         assert f"the Ray cluster at {cluster.address}" in executor.fault
-        assert [end.report.run_id for end in wait_for(executor, 1)] == ["running"]
-        assert executor.withdraw() == ("waiting",)
+        causes = {end.report.run_id: failure_of(end.report).cause for end in wait_for(executor, 2)}
+        assert causes == {"running": "worker_lost", "waiting": "not_begun"}
+        assert executor.withdraw() == ()
         assert executor.slots() == ()
         with pytest.raises(WorkersCannotStart, match="the Ray cluster at"):
             list(run_all(executor, [RunSpec(run_id="run", document="sleep 0")]))

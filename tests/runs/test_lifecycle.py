@@ -51,6 +51,18 @@ def test_an_error_that_sumo_reports_is_final_at_once() -> None:
     assert (first.state.status, first.report, first.quarantine) == (error.status, error, False)
 
 
+def test_attempts_that_were_not_begun_cost_nothing() -> None:
+    failure = RunFailure(cause=lifecycle.NOT_BEGUN, message="the node was lost")
+    lost = replace(report(RunStatus.INFRASTRUCTURE_FAILED), failure=failure)
+    state = running()
+    for _ in range(10):
+        transition = lifecycle.end(state, lost, RetryPolicy())
+        assert (transition.state, transition.report) == (RunState(), None)
+        state = lifecycle.start(transition.state)
+    cancelled = lifecycle.end(replace(state, cancel_requested=True), lost, RetryPolicy())
+    assert cancelled.state.status is RunStatus.CANCELLED
+
+
 def test_a_crash_that_is_not_repeated_does_not_quarantine() -> None:
     crash, finish = report(RunStatus.SIMULATOR_CRASHED), report(RunStatus.FINISHED)
     first = lifecycle.end(running(), crash, RetryPolicy())

@@ -61,16 +61,17 @@ def test_a_late_trace_of_a_server_that_hung_is_not_that_of_the_run(
         worker.suspend()
         job = posted(address)
         run_until(address, job, "running")
+        wait_until(lambda: job in httpx.get(f"{address}/api/v1/workers").text)
         server.suspend()
         with forked_service(tmp_path / "other", workers=1) as other:
             judged = run_until(other, job, "finished")
         late = Path(traces.address(job))
         assert not late.exists()
-        assert trace_sha256(read_trace(traces.path(job))) == judged["trace_sha256"]
+        assert trace_sha256(read_trace(traces.path(job, 2))) == judged["trace_sha256"]
         worker.resume()
         wait_until(late.is_file)
         late.write_bytes(b"what a worker writes late may differ")
-        assert trace_sha256(read_trace(traces.path(job))) == judged["trace_sha256"]
+        assert trace_sha256(read_trace(traces.path(job, 2))) == judged["trace_sha256"]
         server.resume()
         # The server that was taken for dead goes on, and its late report changes nothing.
         assert run_until(address, posted(address), "finished")["attempts"] == 1

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import threading
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 
@@ -104,6 +105,22 @@ def test_an_owner_that_lost_its_lease_cannot_end_the_run(database: Database) -> 
         assert transaction.jobs.get(run).violations == 0
         outcomes = [attempt.outcome for attempt in transaction.jobs.attempts(run)]
     assert outcomes == ["interrupted", "finished"]
+
+
+def test_an_attempt_that_was_taken_for_lost_does_not_end_the_next_one_of_its_owner(
+    database: Database,
+) -> None:
+    (run,) = submit(database, 1)
+    owner = register(database)
+    claim(database, owner, 1)
+    with database.write() as transaction:
+        transaction.queue.reclaim(owner, POLICY)
+    assert claim(database, owner, 1) == (run,)
+    assert finish(database, owner, replace(finished(run, "collision"), attempt=1)) == ()
+    assert status(database, run) is RunStatus.RUNNING
+    assert len(finish(database, owner, replace(finished(run), attempt=2))) == 1
+    with database.read() as transaction:
+        assert transaction.jobs.get(run).violations == 0
 
 
 def test_a_confirmed_crash_quarantines_the_scenario(database: Database) -> None:

@@ -6,10 +6,12 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import fsspec
 import pytest
+from fsspec.implementations.local import LocalFileSystem
 
 from drivora_service.errors import ConfigurationError, StoreError
 from drivora_service.observations.trace_file import read_trace
@@ -55,20 +57,18 @@ def places(
 
 def test_a_stored_trace_is_read_listed_and_removed(places: TracePlaces) -> None:
     traces = places.of_runs()
-    assert not traces.has("01ab")
     assert not traces.path("01ab").is_file()
     assert list(run_ids(traces)) == []
     begun = time.time()
     for run_id, trace in (("01ab", TRACE), ("02ab", OTHER), ("01cd", TRACE)):
         store_trace(trace, traces.prepare(run_id))
-    assert traces.has("01ab")
+    assert traces.path("01ab").is_file()
     assert trace_sha256(read_trace(traces.path("02ab"))) == trace_sha256(OTHER)
     assert traces.path("02ab").name == "02ab.parquet"
     assert list(traces.run_ids_by_folder()) == [("01ab", "02ab"), ("01cd",)]
     assert begun - 2.0 < traces.written_at("01ab") < time.time() + 2.0
     size = traces.path("01ab").stat().st_size
     assert traces.remove("01ab") == size
-    assert not traces.has("01ab")
     assert not traces.path("01ab").is_file()
     for refused in (traces.remove, traces.written_at):
         with pytest.raises(FileNotFoundError):
@@ -88,7 +88,7 @@ def test_what_is_written_again_is_read_anew(places: TracePlaces) -> None:
     assert trace_sha256(read_trace(traces.path("01ab"))) == trace_sha256(OTHER)
 
 
-def test_the_trace_of_a_run_is_that_of_its_last_attempt(places: TracePlaces) -> None:
+def test_each_attempt_has_its_own_trace(places: TracePlaces) -> None:
     traces = places.of_runs()
     first, third = traces.prepare("01ab"), traces.prepare("01ab", 3)
     store_trace(OTHER, third)
@@ -96,44 +96,71 @@ def test_the_trace_of_a_run_is_that_of_its_last_attempt(places: TracePlaces) -> 
     store_trace(TRACE, first)
     store_trace(TRACE, traces.address("01ab", 2))
     assert traces.prepare("01ab") == first
-    assert trace_sha256(read_trace(traces.path("01ab"))) == trace_sha256(OTHER)
-    assert traces.path("01ab").name == "01ab.parquet"
-    assert traces.written("01ab") == third
-    assert traces.has("01ab")
+    assert trace_sha256(read_trace(traces.path("01ab", 3))) == trace_sha256(OTHER)
+    assert traces.path("01ab", 3).name == "01ab.parquet"
     assert traces.written_at("01ab") > 0.0
     assert list(run_ids(traces)) == ["01ab"]
     store_trace(TRACE, traces.prepare("02ab"))
     store_trace(TRACE, first)
     assert list(traces.run_ids_by_folder()) == [("01ab", "02ab")]
     failures = places.of_failures()
-    failures.take(traces.written("01ab"), failures.address("camp", "1.trace.parquet"))
+    failures.take(traces.address("01ab", 3), failures.address("camp", "1.trace.parquet"))
     kept = read_trace(failures.path("camp", "1.trace.parquet"))
     assert trace_sha256(kept) == trace_sha256(OTHER)
-    size = traces.path("01ab").stat().st_size
-    assert traces.remove("01ab") > size
-    assert not traces.has("01ab")
+    size = traces.path("01ab", 3).stat().st_size
+    assert traces.remove("01ab") > 2 * size
+    for attempt in (1, 2, 3):
+        assert not traces.path("01ab", attempt).is_file()
     with pytest.raises(FileNotFoundError):
         traces.remove("01ab")
     assert list(run_ids(traces)) == ["02ab"]
+    if not places.url.startswith("s3:"):
+        assert list(places.runs.parent.rglob("01ab")) == []
 
 
-def test_a_trace_of_a_later_attempt_alone_is_removed(places: TracePlaces) -> None:
+def test_of_earlier_versions_the_trace_is_found_whatever_the_attempt(places: TracePlaces) -> None:
+    traces = places.of_runs()
+    store_trace(TRACE, traces.prepare("01ab"))
+    assert trace_sha256(read_trace(traces.path("01ab", 2))) == trace_sha256(TRACE)
+    # A database that was restored beside newer traces counts its attempts anew.
+    store_trace(OTHER, traces.prepare("01ab", 2))
+    store_trace(TRACE, traces.prepare("01ab", 1))
+    assert trace_sha256(read_trace(traces.path("01ab", 1))) == trace_sha256(TRACE)
+
+
+def test_a_trace_of_a_later_attempt_alone_is_listed_and_removed(places: TracePlaces) -> None:
     traces = places.of_runs()
     store_trace(TRACE, traces.prepare("01ab", 12))
-    store_trace(OTHER, traces.prepare("01ab", 9))
-    assert trace_sha256(read_trace(traces.path("01ab"))) == trace_sha256(TRACE)
+    assert list(run_ids(traces)) == ["01ab"]
     assert traces.remove("01ab") > 0
     assert list(run_ids(traces)) == []
-    assert traces.path("01ab").is_file() is False
 
 
 def test_an_attempt_begins_without_the_traces_of_those_before(tmp_path: Path) -> None:
     traces = TracePlaces.below(tmp_path).of_runs()
     for attempt in (1, 2):
         store_trace(TRACE, traces.prepare("01ab", attempt))
-    traces.prepare("01ab", 3)
-    assert not traces.has("01ab")
+    address = traces.prepare("01ab", 3)
     assert list(tmp_path.rglob("*.parquet")) == []
+    assert [path.name for path in Path(address).parents[1].iterdir()] == ["3"]
+
+
+def test_an_error_of_the_storage_is_told_and_nothing_is_taken_for_gone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "remote").mkdir()
+    places = replace(TracePlaces.below(tmp_path), url=f"file://{tmp_path / 'remote'}")
+    traces = places.of_runs()
+    store_trace(TRACE, traces.prepare("01ab", 2))
+
+    def refuse(*_: object, **__: object) -> None:
+        raise TimeoutError
+
+    monkeypatch.setattr(LocalFileSystem, "ls", refuse)
+    with pytest.raises(TimeoutError):
+        traces.remove("01ab")
+    monkeypatch.undo()
+    assert traces.path("01ab", 2).is_file()
 
 
 def test_what_another_process_writes_into_a_listed_folder_is_found(places: TracePlaces) -> None:
@@ -149,7 +176,7 @@ def test_what_another_process_writes_into_a_listed_folder_is_found(places: Trace
         cwd=Path(__file__).resolve().parents[2],
         check=True,
     )
-    assert traces.has("02ab")
+    assert traces.path("02ab").is_file()
     assert trace_sha256(read_trace(traces.path("02ab"))) == trace_sha256(OTHER)
     assert list(run_ids(traces)) == ["01ab", "02ab"]
 

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
-from drivora_service.execution.deaths import report_loss
+from drivora_service.execution.deaths import WORKER_LOST, report_loss
 from drivora_service.execution.pace import Pace
 from drivora_service.execution.ray.messages import News, Orders
 from drivora_service.runs.attempt import AttemptEnd
-from drivora_service.runs.lifecycle import cancelled_report
+from drivora_service.runs.lifecycle import NOT_BEGUN, cancelled_report
 from drivora_service.runs.report import RunSpec
 from drivora_service.runs.slot_state import SlotState
 
@@ -158,21 +158,24 @@ class Placement:
         return ends
 
     def lose(self, name: str, reason: str) -> tuple[AttemptEnd, ...]:
-        """Removes a node; returns the ends of the runs that it may have been performing.
+        """Removes a node; returns the ends of the attempts that were there.
 
-        These are its oldest ones, as many as it has slots, for a node starts its runs in order. The
-        others are queued again: they have lost no attempt.
+        It may have been performing its oldest ones, as many as it has slots, for a node starts its
+        runs in order. The others are not known to have begun, which costs their runs nothing. They
+        are other attempts from now on: a node that was only cut off may begin them yet.
         """
         node = self._nodes.pop(name, None)
         if node is None:
             return ()
-        held = list(node.runs.values())
-        now = datetime.now(UTC)
-        ends = [
-            self._lost(node, name, spec, since, now, reason) for spec, since in held[: node.slots]
-        ]
+        message = f"the node {name} was lost: {reason}"
+        ends = tuple(
+            self._lost(
+                node, name, run_id, WORKER_LOST if place < node.slots else NOT_BEGUN, message
+            )
+            for place, run_id in enumerate(node.runs)
+        )
         self._cancelled.difference_update(end.report.run_id for end in ends)
-        return (*ends, *self._requeue([spec for spec, _ in held[node.slots :]]))
+        return ends
 
     def lose_all(self, reason: str) -> tuple[AttemptEnd, ...]:
         """Removes all nodes, as :meth:`lose` does."""
@@ -211,19 +214,15 @@ class Placement:
         self._waiting.extendleft(spec for spec in reversed(specs) if spec.run_id not in cancelled)
         return tuple(map(_cancelled, cancelled))
 
-    def _lost(
-        self, node: _Node, name: str, spec: RunSpec, since: datetime, now: datetime, reason: str
-    ) -> AttemptEnd:
-        slot = next((slot for slot in node.states if slot.run_id == spec.run_id), None)
-        if spec.run_id in self._cancelled:
-            report = cancelled_report(spec.run_id)
-        else:
-            report = report_loss(spec.run_id, f"the node {name} was lost: {reason}", "")
+    def _lost(self, node: _Node, name: str, run_id: str, cause: str, message: str) -> AttemptEnd:
+        slot = next((slot for slot in node.states if slot.run_id == run_id), None)
+        since = node.runs[run_id][1]
+        report = report_loss(run_id, message, "", cause=cause)
         return AttemptEnd(
-            report=report,
+            report=cancelled_report(run_id) if run_id in self._cancelled else report,
             worker=name if slot is None else slot.name,
             started=since if slot is None or slot.since is None else slot.since,
-            ended=now,
+            ended=datetime.now(UTC),
         )
 
 
