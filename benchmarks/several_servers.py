@@ -5,9 +5,11 @@
 
 Servers with one data folder serve an empty database of PostgreSQL. Batches of short
 runs and a campaign are posted to any of them. Again and again one of them is killed with SIGKILL,
-and started anew a while later; one is always left. What is counted at the end is read from the
-tables themselves: how many runs ended, how many have a report and how many ended attempts that
-count, and whether all runs of one scenario have the same trace.
+and started anew a while later; one is always left. With ``--hang-every``, one is also stopped now
+and then for longer than the others wait for it, while its workers go on, and continued. What is
+counted at the end is read from the tables themselves: how many runs ended, how many have a report
+and how many ended attempts that count, and whether all runs of one scenario have the same trace.
+Each trace is read, and its hash compared with that of its run.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import math
 import os
 import random
 import signal
@@ -33,8 +36,13 @@ from sqlalchemy import create_engine, text
 
 from drivora_service.api.examples import SCENARIO
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.observations.trace_file import read_trace
+from drivora_service.observations.trace_hash import trace_sha256
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.store.database import open_database
+from drivora_service.store.traces import TraceFolder
+from drivora_service.store.verification import verify
 
 _START_S, _POLL_S = 180.0, 0.5
 _SCENARIOS = 20
@@ -53,6 +61,8 @@ class Plan:
         workers: Workers of each.
         kill_every_s: Mean of the seconds between two kills.
         down_s: Seconds for which a killed server is away.
+        hang_every_s: Mean of the seconds between two stops of a server that goes on; 0: none.
+        hang_s: Seconds for which it is stopped.
         seed: Seed of the moments and of the servers that are killed.
     """
 
@@ -63,6 +73,8 @@ class Plan:
     workers: int = 1
     kill_every_s: float = 20.0
     down_s: float = 10.0
+    hang_every_s: float = 0.0
+    hang_s: float = 40.0
     seed: int = 1
 
 
@@ -72,6 +84,8 @@ class Outcome:
 
     Attributes:
         kills: Servers that were killed.
+        hangs: Servers that were stopped for a while.
+        refused: Starts of servers that ended because a stopped one kept them from writing.
         seconds: Wall time.
         runs: Runs that were posted.
         finished: Those that ended as finished.
@@ -79,12 +93,15 @@ class Outcome:
         judged_twice: Runs with more than one attempt that ended as finished.
         interrupted: Attempts that a kill ended.
         different_traces: Scenarios of which two runs differ in their trace.
+        contradictions: What `drivora store verify --hashes` finds.
         campaign: State of the campaign.
         evaluations: Its evaluations.
         evaluation_numbers: Different numbers of its evaluations.
     """
 
     kills: int
+    hangs: int
+    refused: int
     seconds: float
     runs: int
     finished: int
@@ -92,6 +109,7 @@ class Outcome:
     judged_twice: int
     interrupted: int
     different_traces: int
+    contradictions: int
     campaign: str
     evaluations: int
     evaluation_numbers: int
@@ -101,7 +119,8 @@ class Outcome:
         """Whether everything was judged, and nothing twice."""
         return (
             self.finished == self.runs
-            and not (self.without_report or self.judged_twice or self.different_traces)
+            and not (self.without_report or self.judged_twice)
+            and not (self.different_traces or self.contradictions)
             and self.campaign == "finished"
             and self.evaluations == self.evaluation_numbers
         )
@@ -109,7 +128,7 @@ class Outcome:
 
 @dataclass(slots=True)
 class Server:
-    """A server that may be killed and started again, at the same address."""
+    """A server that may be killed and started again, at the same address, or stopped."""
 
     folder: Path
     name: str
@@ -117,6 +136,8 @@ class Server:
     port: int = field(default_factory=lambda: _free_port())
     process: subprocess.Popen[bytes] | None = None
     killed_at: float = 0.0
+    continues_at: float | None = None
+    was_ready: bool = False
 
     @property
     def address(self) -> str:
@@ -128,8 +149,31 @@ class Server:
         """Whether it was started, and not killed."""
         return self.process is not None
 
+    @property
+    def has_ended(self) -> bool:
+        """Whether it has ended by itself."""
+        return self.process is not None and self.process.poll() is not None
+
+    @property
+    def works(self) -> bool:
+        """Whether it is alive, and not stopped."""
+        return self.is_alive and self.continues_at is None
+
+    def hang(self, seconds: float) -> None:
+        """Stops it for so long; its workers go on."""
+        if self.process is not None:
+            self.process.send_signal(signal.SIGSTOP)
+            self.continues_at = time.monotonic() + seconds
+
+    def go_on(self) -> None:
+        """Continues it after a stop."""
+        if self.process is not None and self.continues_at is not None:
+            self.process.send_signal(signal.SIGCONT)
+        self.continues_at = None
+
     def start(self) -> None:
         """Starts it."""
+        self.was_ready = False
         command = [sys.executable, "-m", "drivora_service.cli", "serve"]
         options = ["--data-dir", str(self.folder), "--workers", str(self.workers)]
         with (self.folder / f"{self.name}.log").open("ab") as log:
@@ -144,17 +188,20 @@ class Server:
         """Returns whether it answers, and can work.
 
         Raises:
-            RuntimeError: It has ended by itself.
+            RuntimeError: It has ended by itself after it was ready.
         """
-        if self.process is not None and self.process.poll() is not None:
+        if self.has_ended and self.was_ready:
             log = (self.folder / f"{self.name}.log").read_text(errors="replace")
             raise RuntimeError(f"server {self.name} has ended:\n{log[-2000:]}")
         with contextlib.suppress(httpx.HTTPError):
-            return httpx.get(f"http://127.0.0.1:{self.port}/readyz", timeout=10.0).is_success
+            answer = httpx.get(f"http://127.0.0.1:{self.port}/readyz", timeout=10.0)
+            self.was_ready |= answer.is_success
+            return answer.is_success
         return False
 
     def end(self, signal_number: int) -> None:
         """Sends a signal and waits for the end."""
+        self.go_on()
         if self.process is not None:
             self.process.send_signal(signal_number)
             self.process.wait(60.0)
@@ -162,14 +209,14 @@ class Server:
 
 
 class Fleet:
-    """The servers, of which one is killed now and then."""
+    """The servers, of which one is killed or stopped now and then."""
 
     def __init__(self, folder: Path, plan: Plan) -> None:
         """Starts all of them, and waits until they are ready."""
         self._plan, self._random = plan, random.Random(plan.seed)
         names = [f"server-{number}" for number in range(plan.servers)]
         self.servers = [Server(folder, name, plan.workers) for name in names]
-        self.kills = 0
+        self.kills = self.hangs = self.refused = 0
         for server in self.servers:
             server.start()
         deadline = time.monotonic() + _START_S
@@ -177,28 +224,42 @@ class Fleet:
             if time.monotonic() > deadline:
                 raise RuntimeError("the servers are not ready in time")
             time.sleep(_POLL_S)
-        self._kill_at = self._next_kill()
+        self._kill_at = self._next(plan.kill_every_s)
+        self._hang_at = self._next(plan.hang_every_s or math.inf)
 
     def turn(self) -> None:
-        """Kills a server if it is time, unless it is the only one that works, and starts others."""
+        """Kills or stops a server if it is time, unless no other one works, and starts others."""
         now = time.monotonic()
         for server in self.servers:
             if not server.is_alive and now >= server.killed_at + self._plan.down_s:
                 server.start()
-        if now < self._kill_at:
+            elif server.has_ended and not server.was_ready and self.hangs:
+                # As a service manager does.
+                self.refused += 1
+                server.start()
+            if server.continues_at is not None and now >= server.continues_at:
+                server.go_on()
+        if now < min(self._kill_at, self._hang_at):
             return
-        ready = [server for server in self.servers if server.is_alive and server.is_ready()]
-        if len(ready) > 1:
-            self._random.choice(ready).end(signal.SIGKILL)
+        ready = [server for server in self.servers if server.works and server.is_ready()]
+        if len(ready) < 2:
+            return
+        chosen = self._random.choice(ready)
+        if now >= self._kill_at:
+            chosen.end(signal.SIGKILL)
             self.kills += 1
-            self._kill_at = self._next_kill()
+            self._kill_at = self._next(self._plan.kill_every_s)
+        else:
+            chosen.hang(self._plan.hang_s)
+            self.hangs += 1
+            self._hang_at = self._next(self._plan.hang_every_s)
 
     def request(self, method: str, path: str, **options: Any) -> dict[str, Any]:
         """Asks any server that answers; what is posted needs a key, as it may be posted twice."""
         deadline = time.monotonic() + _START_S
         while time.monotonic() < deadline:
             server = self._random.choice(self.servers)
-            if server.is_alive:
+            if server.works:
                 with contextlib.suppress(httpx.TransportError):
                     answer = httpx.request(method, server.address + path, timeout=60.0, **options)
                     if answer.status_code not in (409, 503):
@@ -213,8 +274,8 @@ class Fleet:
         for server in self.servers:
             server.end(signal.SIGINT)
 
-    def _next_kill(self) -> float:
-        return time.monotonic() + self._random.uniform(0.5, 1.5) * self._plan.kill_every_s
+    def _next(self, mean_s: float) -> float:
+        return time.monotonic() + self._random.uniform(0.5, 1.5) * mean_s
 
 
 def measure(url: str, folder: Path, plan: Plan) -> Outcome:
@@ -252,7 +313,18 @@ def measure(url: str, folder: Path, plan: Plan) -> Outcome:
             time.sleep(_POLL_S)
     finally:
         fleet.stop()
-    return _count(url, plan, campaign["id"], fleet.kills, time.monotonic() - begun)
+    seconds = time.monotonic() - begun
+    return _count(url, plan, campaign["id"], fleet, seconds, _contradictions(url, folder))
+
+
+def _contradictions(url: str, folder: Path) -> int:
+    database = open_database(url)
+    try:
+        traces = TraceFolder(folder / "traces")
+        found = verify(database, traces, hash_trace=lambda path: trace_sha256(read_trace(path)))
+        return len(list(found))
+    finally:
+        database.close()
 
 
 def _is_over(fleet: Fleet, campaign_id: str) -> bool:
@@ -294,7 +366,9 @@ def _batches(plan: Plan) -> Iterator[str]:
         yield "\n".join(lines[number % _SCENARIOS] for number in numbers)
 
 
-def _count(url: str, plan: Plan, campaign_id: str, kills: int, seconds: float) -> Outcome:
+def _count(
+    url: str, plan: Plan, campaign_id: str, fleet: Fleet, seconds: float, contradictions: int
+) -> Outcome:
     engine = create_engine(url)
     with engine.connect() as connection:
 
@@ -307,7 +381,9 @@ def _count(url: str, plan: Plan, campaign_id: str, kills: int, seconds: float) -
         )
         of_campaign = "campaigns JOIN evaluations ON campaign_seq = campaigns.seq"
         outcome = Outcome(
-            kills=kills,
+            kills=fleet.kills,
+            hangs=fleet.hangs,
+            refused=fleet.refused,
             seconds=round(seconds, 1),
             runs=plan.runs,
             finished=number(f"SELECT count(*) FROM {posted} AND runs.status = 'finished'"),
@@ -324,6 +400,7 @@ def _count(url: str, plan: Plan, campaign_id: str, kills: int, seconds: float) -
                 f"SELECT count(*) FROM (SELECT document_sha256 FROM {posted} "
                 "GROUP BY document_sha256 HAVING count(DISTINCT trace_sha256) > 1) AS different"
             ),
+            contradictions=contradictions,
             campaign=str(
                 connection.scalar(
                     text("SELECT state FROM campaigns WHERE id = :campaign"),
@@ -353,6 +430,7 @@ def main(arguments: Sequence[str]) -> None:
     parser.add_argument("--simulations", type=int, default=500)
     parser.add_argument("--workers", type=int, default=1, help="of each server")
     parser.add_argument("--kill-every", type=float, default=30.0, help="seconds, the mean")
+    parser.add_argument("--hang-every", type=float, default=0.0, help="seconds; 0: no server hangs")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, help="file of the result, as JSON")
     options = parser.parse_args(arguments)
@@ -364,6 +442,7 @@ def main(arguments: Sequence[str]) -> None:
         simulations=options.simulations,
         workers=options.workers,
         kill_every_s=options.kill_every,
+        hang_every_s=options.hang_every,
         seed=options.seed,
     )
     with tempfile.TemporaryDirectory(prefix="drivora-servers-") as folder:
