@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -34,9 +35,10 @@ import sys, time
 from pathlib import Path
 from drivora_service.execution.ray.executor import RayExecutor
 with RayExecutor(address=sys.argv[1], setup="", folder=Path(sys.argv[2])) as executor:
-    while not executor.fault:
+    while not (fault := executor.fault):
         time.sleep(0.05)
-    print(executor.fault)
+    # In one piece, as another thread writes its log at the same time.
+    sys.stdout.write(f"\\nfault: {fault}\\n")
 """
 
 
@@ -102,8 +104,8 @@ def fault_of(address: str, folder: Path, *before: str, **environment: str) -> st
             check=True,
             timeout=_LONG_S,
         )
-        # Before it is the line of the log.
-        fault = done.stdout.splitlines()[-1]
+        fault: str
+        (fault,) = re.findall("^fault: (.+)$", done.stdout, re.MULTILINE)
         if "refused" not in fault:
             return fault
         # The head is starting.

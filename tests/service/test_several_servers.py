@@ -34,7 +34,7 @@ def test_what_killed_servers_leave_is_done_by_the_others_and_judged_once(
     # `measure` sets it.
     monkeypatch.setenv("DRIVORA_DATABASE_URL", os.environ.get("DRIVORA_DATABASE_URL", ""))
     url = postgresql.create(migrated=False)
-    plan = Plan(runs=300, batch=100, simulations=60, kill_every_s=6.0, down_s=4.0)
+    plan = Plan(runs=300, batch=100, simulations=60, kill_every_s=3.0, down_s=4.0)
     outcome = measure(url, tmp_path, plan)
     database = open_database(url)
     contradictions = list(verify(database, TraceFolder(tmp_path / "traces")))
