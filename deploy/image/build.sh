@@ -17,9 +17,6 @@ done
 
 if command -v buildah > /dev/null; then
   engine=buildah
-  # A process that may not mount, as in many containers, can make none.
-  empty=$(buildah from scratch) || { echo "no image was built: buildah makes no container" >&2; exit 3; }
-  buildah rm "$empty" > /dev/null
 elif command -v docker > /dev/null && docker info > /dev/null 2>&1; then
   engine=docker
 else
@@ -43,11 +40,14 @@ debian_base() {
     }
     rm -rf "$folder"/var/lib/apt/lists/* "$folder"/var/cache/apt/* "$folder"/var/log/* \
       "$folder"/usr/share/doc/* "$folder"/usr/share/man/* "$folder"/usr/share/locale/*
-    container=$(buildah from scratch)
     tar --directory "$folder" --exclude='./proc/*' --exclude='./sys/*' --exclude='./dev/*' \
       --create --file "$folder.tar" .
-    buildah add --quiet "$container" "$folder.tar" / > /dev/null
-    buildah commit --quiet --rm "$container" "$made" > /dev/null
+    container=$(buildah from scratch) \
+      && buildah add --quiet "$container" "$folder.tar" / > /dev/null \
+      && buildah commit --quiet --rm "$container" "$made" > /dev/null || {
+      echo "no image was built: buildah cannot make one here" >&2
+      exit 3
+    }
     rm -rf "$folder" "$folder.tar"
   fi
   base=$made
@@ -60,6 +60,12 @@ fi
 base=${BASE:-$(sed -n 's/^ARG BASE=//p' Dockerfile)}
 [ -n "${BASE:-}" ] || buildah pull --quiet "$base" > /dev/null 2>&1 || debian_base
 options=(--isolation "${BUILDAH_ISOLATION:-chroot}")
+# A process without the rights for it, as in many containers, is no reason to call the image bad.
+probe=$(buildah from "$base") && buildah run "${options[@]}" "$probe" -- true || {
+  echo "no image was built: buildah can run nothing in a container here" >&2
+  exit 3
+}
+buildah rm "$probe" > /dev/null
 # Certificates that this machine trusts, so that registries are reached as from it.
 certificates=/etc/ssl/certs/ca-certificates.crt
 if [ -f $certificates ]; then
