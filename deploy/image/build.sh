@@ -42,12 +42,12 @@ debian_base() {
       "$folder"/usr/share/doc/* "$folder"/usr/share/man/* "$folder"/usr/share/locale/*
     tar --directory "$folder" --exclude='./proc/*' --exclude='./sys/*' --exclude='./dev/*' \
       --create --file "$folder.tar" .
-    container=$(buildah from scratch) \
+    if ! { container=$(buildah from scratch) \
       && buildah add --quiet "$container" "$folder.tar" / > /dev/null \
-      && buildah commit --quiet --rm "$container" "$made" > /dev/null || {
+      && buildah commit --quiet --rm "$container" "$made" > /dev/null; }; then
       echo "no image was built: buildah cannot make one here" >&2
       exit 3
-    }
+    fi
     rm -rf "$folder" "$folder.tar"
   fi
   base=$made
@@ -61,10 +61,10 @@ base=${BASE:-$(sed -n 's/^ARG BASE=//p' Dockerfile)}
 [ -n "${BASE:-}" ] || buildah pull --quiet "$base" > /dev/null 2>&1 || debian_base
 options=(--isolation "${BUILDAH_ISOLATION:-chroot}")
 # A process without the rights for it, as in many containers, is no reason to call the image bad.
-probe=$(buildah from "$base") && buildah run "${options[@]}" "$probe" -- true || {
+if ! { probe=$(buildah from "$base") && buildah run "${options[@]}" "$probe" -- true; }; then
   echo "no image was built: buildah can run nothing in a container here" >&2
   exit 3
-}
+fi
 buildah rm "$probe" > /dev/null
 # Certificates that this machine trusts, so that registries are reached as from it.
 certificates=/etc/ssl/certs/ca-certificates.crt
