@@ -135,7 +135,7 @@ protocol: $(DEV_STAMP) ## Regenerate the code of the protocol for ADSs
 	  drivora_service/agents/remote/agent.proto
 
 networks: $(DEV_STAMP) ## Rebuild the shipped networks from their plain-XML sources
-	$(BIN)/python -m drivora_service.networks.build
+	$(BIN)/python -m drivora_service.networks.shipped_build
 
 docs-numbers: $(DEV_STAMP) ## Rewrite the output of commands in README and tutorial
 	$(BIN)/python -m tests.docs.rewrite

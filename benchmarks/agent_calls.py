@@ -24,13 +24,13 @@ import psutil
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.interface import Agent, AgentContext, Control, Observation
 from drivora_service.agents.remote.adapter_messages import context_view
-from drivora_service.agents.remote.messages import setup_request
+from drivora_service.agents.remote.remote_messages import setup_request
 from drivora_service.agents.remote.views import Adapter
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.execution.fork_server import ENVIRONMENT
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.scenario.model import BackgroundTraffic
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.scenario.validation import validate_document
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.planning import plan_episode

@@ -25,12 +25,12 @@ from benchmarks.search_scenes import FREQUENT, Scene, catalogues, prepared, scen
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
-from drivora_service.observations.trace_file import read_trace
+from drivora_service.observations.trace_files.trace_file import read_trace
 from drivora_service.oracles.avoidability.assess import assess
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.plotting.strip import draw_strip
-from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.runs.run_report import RunReport, RunSpec
 from drivora_service.worker.performing import perform
 from drivora_service.worker.setup import WorkerSetup
 

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import httpx
 
-from drivora_service.cli.service_process import running_service
+from drivora_service.cli.application.service_process import running_service
 from tests.scenario.conftest import GOOD
 from tests.scenario.test_bad_input import BROKEN
 

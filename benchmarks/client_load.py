@@ -32,9 +32,9 @@ import httpx
 import numpy as np
 import psutil
 
-from drivora_service.api.connections import raise_descriptor_limit
-from drivora_service.api.examples import SCENARIO
-from drivora_service.cli.service_process import running_service
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.api.guards.client_connections import raise_descriptor_limit
+from drivora_service.cli.application.service_process import running_service
 
 PREFIX = "/api/v1"
 _PATIENCE_S = 60.0

@@ -17,13 +17,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.search_scenes import catalogues
-from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.campaigns.records.store_journal import StoreJournal
 from drivora_service.markdown_text import table
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.model import Scenario
 from drivora_service.search.space.usable_area import intruders
-from drivora_service.simulation.free_motion import planned_motions
-from drivora_service.store.campaign_records import CampaignState
+from drivora_service.simulation.followers.free_motion import planned_motions
+from drivora_service.store.campaigns.campaign_records import CampaignState
 from drivora_service.store.database import Database, open_database
 
 _EVERY = 4

@@ -22,13 +22,13 @@ from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.networks.routing import match_route, plan_route
+from drivora_service.networks.routes.routing import match_route, plan_route
 from drivora_service.oracles.verdict import Outcome
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.checks.route_checks import route_points
 from drivora_service.scenario.entities import BackgroundTrafficDocument
 from drivora_service.scenario.importers.reading import read_scenarios
-from drivora_service.scenario.route_checks import route_points
 from drivora_service.scenario.validation import validate_document
 from drivora_service.worker.setup import WorkerSetup
 

@@ -15,9 +15,9 @@ from pathlib import Path
 
 from benchmarks.scenes import mixed_scenarios
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.running import run_all
+from drivora_service.execution.spec_running import run_all
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.runs.report import RunSpec
+from drivora_service.runs.run_report import RunSpec
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.worker.setup import WorkerSetup
 

@@ -12,7 +12,7 @@ from typing import Any
 from benchmarks.search_scenes import FREQUENT, SEVERAL_EGOS, campaign_document, scenes_of
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario.documents import document_text
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 
 _LAWS = ("law_38_red_light", "law_44_lane_change", "law_45_speed_limit", "law_46_turn_speed")
 

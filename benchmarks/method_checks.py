@@ -29,22 +29,22 @@ from typing import Any
 
 from benchmarks.method_campaigns import TELLING, generated_campaign, telling_campaign
 from benchmarks.methods import METHODS, installed_methods
-from drivora_service.campaigns.arithmetic import use_one_thread
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.conducting import conduct
-from drivora_service.campaigns.folder import CampaignFolder
-from drivora_service.campaigns.journal import MemoryJournal
-from drivora_service.campaigns.local_evaluator import LocalEvaluator
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import read_campaign
-from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.evaluation.local_evaluator import LocalEvaluator
+from drivora_service.campaigns.records.campaign_folder import CampaignFolder
+from drivora_service.campaigns.records.journal import MemoryJournal
+from drivora_service.campaigns.records.store_journal import StoreJournal
+from drivora_service.campaigns.search.arithmetic import use_one_thread
+from drivora_service.campaigns.search.conducting import conduct
+from drivora_service.campaigns.search.search_preparation import prepare_search
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.tester import EvaluationStatus
-from drivora_service.store.campaign_records import EvaluationRecord
+from drivora_service.store.campaigns.campaign_records import EvaluationRecord
 from drivora_service.store.database import open_database
-from drivora_service.studies.figures import Subject, figures_of
+from drivora_service.studies.campaign_figures import Subject, figures_of
 from drivora_service.worker.setup import WorkerSetup
 
 

@@ -31,16 +31,16 @@ from pathlib import Path
 from pydantic import TypeAdapter
 
 from drivora_service.markdown_text import table
-from drivora_service.studies.comparison import (
+from drivora_service.studies.comparison.campaign_comparison_text import a12, value
+from drivora_service.studies.comparison.campaign_measures import (
     SIGNIFICANT,
     Difference,
     compare_campaigns,
     measure,
 )
-from drivora_service.studies.comparison_text import a12, value
-from drivora_service.studies.study_comparison import StudyFigures
-from drivora_service.studies.survival import survival_curves
-from drivora_service.studies.survival_files import write_survival
+from drivora_service.studies.comparison.study_comparison import StudyFigures
+from drivora_service.studies.comparison.survival_curves import survival_curves
+from drivora_service.studies.comparison.survival_files import write_survival
 
 OWN_TARGETS: Mapping[str, str] = {
     "avfuzzer": "avoidable",

@@ -11,20 +11,20 @@ from typing import Any
 from sqlalchemy import insert
 from sqlalchemy.orm import Session
 
-from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Outcome, Severity, Verdict
-from drivora_service.oracles.verdict_json import verdict_to_json
-from drivora_service.runs.encoding import report_to_json
-from drivora_service.runs.report import RunReport, RunStatus
-from drivora_service.store.campaign_records import Confirmation
-from drivora_service.store.campaign_tables import (
+from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.verdict_json import verdict_to_json
+from drivora_service.runs.report_encoding import report_to_json
+from drivora_service.runs.run_report import RunReport, RunStatus
+from drivora_service.store.campaigns.campaign_records import Confirmation
+from drivora_service.store.campaigns.campaign_tables import (
     CampaignRow,
     EvaluationRow,
     FailureKindRow,
     FailureRow,
 )
 from drivora_service.store.database import Database
-from drivora_service.store.found_tables import FoundRow
+from drivora_service.store.failures.failure_tables import FoundRow
 
 CAMPAIGNS = 300
 _BEGIN = datetime(2026, 1, 1, tzinfo=UTC)

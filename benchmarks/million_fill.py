@@ -17,15 +17,15 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.runs.encoding import report_to_json
-from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.runs.report_encoding import report_to_json
+from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.store.database import Database
-from drivora_service.store.facets import Facet, add_counts, facet_key
-from drivora_service.store.found_tables import FoundRow
-from drivora_service.store.tables import (
+from drivora_service.store.failures.failure_tables import FoundRow
+from drivora_service.store.runs.facets import Facet, add_counts, facet_key
+from drivora_service.store.runs.run_tables import (
     AttemptRow,
     BatchRow,
     DocumentRow,

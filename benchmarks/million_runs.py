@@ -28,23 +28,23 @@ from sqlalchemy import event, text
 
 from benchmarks.million_campaigns import fill_campaigns
 from benchmarks.million_fill import fill_runs
+from drivora_service.api.answers.network_imports import NetworkImports
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
-from drivora_service.api.network_imports import NetworkImports
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.engine_process import EngineSetup
-from drivora_service.campaigns.folder import CampaignFolder
-from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.campaigns.supervisor import CampaignSupervisor
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.stored_gene_spaces import GeneSpaces
+from drivora_service.campaigns.hosts.campaign_supervisor import CampaignSupervisor
+from drivora_service.campaigns.hosts.engine_process import EngineSetup
+from drivora_service.campaigns.records.campaign_folder import CampaignFolder
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
-from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.runs.run_report import RunReport, RunStatus
 from drivora_service.store.database import Database, open_database
-from drivora_service.store.trace_places import TracePlaces
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.traces.trace_folders import TraceFolder
+from drivora_service.store.traces.trace_places import TracePlaces
 from drivora_service.studies.service_studies import ServiceStudies
-from drivora_service.suites.minimization.runner import MinimizationRunner
+from drivora_service.suites.minimization.minimization_runner import MinimizationRunner
 
 _RUN_FILTERS = {
     "all": "",

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import httpx
 
-from drivora_service.cli.service_process import running_service
+from drivora_service.cli.application.service_process import running_service
 from drivora_service.dashboard.build import node_program
 
 WEB = Path(__file__).parents[1] / "drivora_service" / "dashboard" / "web"

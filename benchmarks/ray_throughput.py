@@ -24,15 +24,15 @@ from itertools import count
 from pathlib import Path
 
 from benchmarks.scenes import usual_scenes
-from drivora_service.campaigns.campaign import DEFAULT_LOOKAHEAD
+from drivora_service.campaigns.document.campaign import DEFAULT_LOOKAHEAD
+from drivora_service.campaigns.evaluation.local_evaluator import LocalEvaluator
+from drivora_service.campaigns.evaluation.shared_pool import SharedPool
 from drivora_service.campaigns.evaluator import Evaluator
-from drivora_service.campaigns.local_evaluator import LocalEvaluator
-from drivora_service.campaigns.shared_pool import SharedPool
 from drivora_service.execution.executor import Executor
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.ray.executor import RayExecutor
+from drivora_service.execution.ray.ray_executor import RayExecutor
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.runs.run_report import RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.worker.setup import WorkerSetup
 from tests.execution.ray_cluster import ray_cluster

@@ -22,12 +22,12 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.search_scenes import FREQUENT, Scene, catalogues, prepared, scenes_of
-from drivora_service.campaigns.local_evaluator import LocalEvaluator
+from drivora_service.campaigns.evaluation.local_evaluator import LocalEvaluator
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.runs.candidate import CandidateSource
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.search.components import Mutation
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.mutation import GaussianMutation, RedrawSlice, redrawn

@@ -21,9 +21,9 @@ from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.observations.reference_path import recorded_path
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import TerminalEvent
-from drivora_service.observations.trace_file import read_trace
+from drivora_service.observations.trace_files.trace_file import read_trace
 from drivora_service.runs.candidate import Reference
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.runs.run_report import RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document

@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict
 
 from benchmarks.page import WEB
 from benchmarks.scenes import crowd_scene
-from drivora_service.cli.service_process import running_service
+from drivora_service.cli.application.service_process import running_service
 from drivora_service.client import Client
 from drivora_service.dashboard.build import node_program
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks

@@ -20,11 +20,11 @@ import libsumo
 
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.feedback.objectives import score
-from drivora_service.metrics.built_in import measure
+from drivora_service.metrics.built_in_metrics import measure
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.run_view import RunView
-from drivora_service.observations.trace_file import write_trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_file import write_trace
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.oracles.built_in import default_oracles, judge_all
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.model import Scenario

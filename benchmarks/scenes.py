@@ -27,7 +27,7 @@ from drivora_service.scenario.model import (
     Waypoint,
     Weather,
 )
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.scenario.validation import validate_document
 
 _NPC_SPEED = 8.0

@@ -11,10 +11,10 @@ from typing import Any
 
 import yaml
 
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.engine import Search
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import read_campaign
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.search.engine import Search
+from drivora_service.campaigns.search.search_preparation import prepare_search
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 
 

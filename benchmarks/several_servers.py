@@ -34,15 +34,15 @@ from typing import Any
 import httpx
 from sqlalchemy import create_engine, text
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.observations.trace_file import read_trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_file import read_trace
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.documents import document_text
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.store.database import open_database
-from drivora_service.store.traces import TraceFolder
-from drivora_service.store.verification import verify
+from drivora_service.store.traces.trace_folders import TraceFolder
+from drivora_service.store.upkeep.store_verification import verify
 
 _START_S, _POLL_S = 180.0, 0.5
 _SCENARIOS = 20

@@ -26,11 +26,11 @@ import httpx
 
 from benchmarks.run_cost import floor, record
 from benchmarks.scenes import usual_scenes
-from drivora_service.cli.service_process import running_service
+from drivora_service.cli.application.service_process import running_service
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.running import run_all
+from drivora_service.execution.spec_running import run_all
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.runs.run_report import RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document

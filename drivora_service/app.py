@@ -12,16 +12,16 @@ from functools import partial
 import structlog
 from fastapi import FastAPI
 
+from drivora_service.api.answers.change_feed import feed_of
+from drivora_service.api.answers.network_imports import NetworkImports
 from drivora_service.api.application import create_api
-from drivora_service.api.change_feed import feed_of
 from drivora_service.api.context import ApiContext, Limits
-from drivora_service.api.network_imports import NetworkImports
-from drivora_service.api.sessions import SessionFile
-from drivora_service.api.tokens import TokenFile
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.engine_process import EngineSetup
-from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.campaigns.supervisor import CampaignSupervisor
+from drivora_service.api.guards.api_tokens import TokenFile
+from drivora_service.api.guards.page_sessions import SessionFile
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.stored_gene_spaces import GeneSpaces
+from drivora_service.campaigns.hosts.campaign_supervisor import CampaignSupervisor
+from drivora_service.campaigns.hosts.engine_process import EngineSetup
 from drivora_service.dashboard.page import page_routes
 from drivora_service.errors import ConfigurationError
 from drivora_service.execution.dispatcher import Dispatcher
@@ -33,13 +33,13 @@ from drivora_service.oracles.laws.sources import law_sources
 from drivora_service.retention_settings import retention
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
-from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import make_data_folder, open_database
-from drivora_service.store.server_folder import ServerFolder
-from drivora_service.store.stored_traces import stored_trace
-from drivora_service.store.work_locks import WorkKind
+from drivora_service.store.locks.command_locks import CommandLocks
+from drivora_service.store.locks.server_folder import ServerFolder
+from drivora_service.store.locks.work_locks import WorkKind
+from drivora_service.store.traces.stored_traces import stored_trace
 from drivora_service.studies.service_studies import ServiceStudies
-from drivora_service.suites.minimization.runner import MinimizationRunner
+from drivora_service.suites.minimization.minimization_runner import MinimizationRunner
 from drivora_service.trace_settings import trace_places
 from drivora_service.worker_settings import start_executor, with_shared_paths
 
@@ -256,6 +256,6 @@ def _tokens(settings: Settings) -> TokenFile | None:
 
 
 def _warm_up() -> None:
-    from drivora_service.scenario.warm_up import warm_up_checks
+    from drivora_service.scenario.check_warm_up import warm_up_checks
 
     warm_up_checks(NetworkCatalogue(shipped_networks()))

@@ -18,17 +18,17 @@ from pathlib import Path
 
 from fastapi import FastAPI
 
+from drivora_service.api.answers.network_imports import NetworkImports
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
-from drivora_service.api.network_imports import NetworkImports
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.command_campaigns import CommandCampaigns
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.stored_gene_spaces import GeneSpaces
+from drivora_service.campaigns.evaluation.evaluator_catalogue import evaluator_plugins
+from drivora_service.campaigns.evaluation.local_evaluator import LOCAL, LocalEvaluator
+from drivora_service.campaigns.evaluation.shared_pool import SharedPool
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
-from drivora_service.campaigns.evaluators import evaluator_plugins
-from drivora_service.campaigns.folder import CampaignFolder
-from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.campaigns.local_evaluator import LOCAL, LocalEvaluator
-from drivora_service.campaigns.shared_pool import SharedPool
+from drivora_service.campaigns.hosts.command_campaigns import CommandCampaigns
+from drivora_service.campaigns.records.campaign_folder import CampaignFolder
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.executor import Executor
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
@@ -39,11 +39,11 @@ from drivora_service.oracles.laws.sources import law_sources
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
 from drivora_service.store.command_database import CommandDatabase
-from drivora_service.store.command_locks import CommandLocks
-from drivora_service.store.stored_traces import stored_trace
-from drivora_service.store.trace_places import TracePlaces
+from drivora_service.store.locks.command_locks import CommandLocks
+from drivora_service.store.traces.stored_traces import stored_trace
+from drivora_service.store.traces.trace_places import TracePlaces
 from drivora_service.studies.command_studies import CommandSetup, CommandStudies
-from drivora_service.suites.minimization.runner import MinimizationRunner
+from drivora_service.suites.minimization.minimization_runner import MinimizationRunner
 from drivora_service.trace_settings import trace_places
 from drivora_service.worker_settings import (
     run_limits,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import timedelta
 
 from drivora_service.settings import Settings
-from drivora_service.store.retention import Retention
+from drivora_service.store.upkeep.retention import Retention
 
 
 def retention(settings: Settings) -> Retention:

@@ -19,7 +19,7 @@ import structlog
 import uvicorn
 from anyio import to_thread
 
-from drivora_service.api.connections import BoundedConnection, raise_descriptor_limit
+from drivora_service.api.guards.client_connections import BoundedConnection, raise_descriptor_limit
 from drivora_service.app import Service, create_service
 from drivora_service.errors import ServiceBroken
 from drivora_service.execution.collection import settle_garbage_collector

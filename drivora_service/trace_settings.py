@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from drivora_service.settings import Settings
-from drivora_service.store.trace_places import TracePlaces
+from drivora_service.store.traces.trace_places import TracePlaces
 
 
 def trace_places(settings: Settings) -> TracePlaces:

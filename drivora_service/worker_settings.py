@@ -91,7 +91,7 @@ def start_executor(
             folder=folder,
             limits=run_limits(settings),
         )
-    from drivora_service.execution.ray.executor import RayExecutor
+    from drivora_service.execution.ray.ray_executor import RayExecutor
 
     return RayExecutor(
         address=settings.ray_address,

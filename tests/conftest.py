@@ -12,7 +12,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-from drivora_service.campaigns.catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.execution.fork_server import ENVIRONMENT
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.store.database import open_database
@@ -93,8 +93,8 @@ _PRELOADED = (
     "drivora_service.command_app",
     "drivora_service.client",
     "drivora_service.cli.main",
-    "drivora_service.cli.running",
-    "drivora_service.cli.campaign_reports",
+    "drivora_service.cli.runs.file_running",
+    "drivora_service.cli.campaigns.campaign_reports",
     "drivora_service.plotting.run_picture",
 )
 """Imports of workers and of commands."""

@@ -21,9 +21,9 @@ import psycopg
 from psycopg import sql
 from sqlalchemy import make_url
 
+from drivora_service.store.changes.revisions import new_epoch
 from drivora_service.store.database import open_database
 from drivora_service.store.migration import newest_revision
-from drivora_service.store.revisions import new_epoch
 
 _START_S = 60.0
 _TEMPLATE = "migrated"

@@ -11,7 +11,7 @@ import httpx
 import pytest
 
 from drivora_service.app import create_app
-from drivora_service.cli.service_process import running_service
+from drivora_service.cli.application.service_process import running_service
 from drivora_service.errors import Conflict
 from drivora_service.settings import load_settings
 

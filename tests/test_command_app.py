@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.client import ApplicationTransport, Client
 from drivora_service.command_app import create_command_app
 from drivora_service.settings import load_settings

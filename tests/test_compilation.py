@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drivora_service.compilation import compiled, settled
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 CALLED = """
 from enum import IntEnum

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import httpx
 
-from drivora_service.api.examples import SCENARIO
-from drivora_service.runs.report import RunStatus
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.database import open_database
 
 

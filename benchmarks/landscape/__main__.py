@@ -26,7 +26,7 @@ import numpy as np
 from benchmarks.landscape.laboratory import AT_ONCE, Laboratory, Ran
 from benchmarks.landscape.nearness import MEASURES
 from benchmarks.search_scenes import FREQUENT, Scene, scenes_of
-from drivora_service.campaigns.local_evaluator import LocalEvaluator
+from drivora_service.campaigns.evaluation.local_evaluator import LocalEvaluator
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.observations.run_view import RunView

@@ -11,14 +11,14 @@ import numpy as np
 
 from benchmarks.search_scenes import Scene, catalogues, prepared
 from drivora_service.campaigns.evaluator import Evaluator
-from drivora_service.campaigns.judging import violations_of
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.campaigns.search.evaluation_judging import violations_of
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Col, Trace
-from drivora_service.observations.trace_file import read_trace
-from drivora_service.oracles.accountability import Accountability, accountability
+from drivora_service.observations.trace_files.trace_file import read_trace
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.verdict import Outcome
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.oracles.verdicts.accountability import Accountability, accountability
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 
 AT_ONCE = 200
 """Runs whose traces are on the disk at a time."""

@@ -11,7 +11,7 @@ from drivora_service.feedback.drivefuzz import QUALITY, DrivefuzzFeedback
 from drivora_service.feedback.measurement import Feedback
 from drivora_service.feedback.samota import VEHICLE, SamotaFeedback
 from drivora_service.observations.run_view import RunView
-from drivora_service.oracles.avoidability.driver import GRAVITY
+from drivora_service.oracles.avoidability.careful_driver import GRAVITY
 
 Measure = Callable[[RunView], float]
 

@@ -35,7 +35,7 @@ from benchmarks.scene_search.laws import read as read_laws
 from benchmarks.scene_search.laws import show as show_laws
 from benchmarks.scene_search.scenes import detour_scenes, failing_scenes, law_scenes
 from benchmarks.search_scenes import Scene
-from drivora_service.campaigns.local_evaluator import LocalEvaluator
+from drivora_service.campaigns.evaluation.local_evaluator import LocalEvaluator
 from drivora_service.errors import DrivoraError
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import shipped_networks

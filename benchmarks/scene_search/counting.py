@@ -9,12 +9,12 @@ import numpy as np
 
 from benchmarks.search_scenes import Scene, prepared
 from drivora_service.campaigns.evaluator import Evaluator
-from drivora_service.campaigns.judging import violations_of
-from drivora_service.campaigns.turns import SearchPart
-from drivora_service.geometry.arrays import FloatArray
-from drivora_service.oracles.accountability import AT_FAULT, Accountability, accountability
+from drivora_service.campaigns.search.evaluation_judging import violations_of
+from drivora_service.campaigns.search.seed_turns import SearchPart
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.oracles.verdicts.accountability import AT_FAULT, Accountability, accountability
 from drivora_service.runs.candidate import CandidateSource
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 
 _AT_ONCE = 100
 

@@ -19,7 +19,7 @@ from benchmarks.scene_search.counting import reports
 from benchmarks.search_scenes import Scene, prepared
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.run_report import RunStatus
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

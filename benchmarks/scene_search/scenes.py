@@ -10,7 +10,7 @@ from benchmarks.reference_scene import NoReferenceError, with_driven_paths
 from benchmarks.search_scenes import Scene, catalogues
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.scenario.documents import document_text
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 
 STEP = 0.1
 """Seconds a step: half the steps of the default."""

@@ -11,17 +11,17 @@ from pathlib import Path
 
 from benchmarks.slots.service import Point, Recording, point_of
 from benchmarks.slots.spent import Spent, spent
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.conducting import Watcher
-from drivora_service.campaigns.documents import MAX_LOOKAHEAD
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_documents import MAX_LOOKAHEAD
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.evaluation.local_evaluator import LocalEvaluator
 from drivora_service.campaigns.evaluator import Evaluator
-from drivora_service.campaigns.folder import CampaignFolder
-from drivora_service.campaigns.local_evaluator import LocalEvaluator
-from drivora_service.campaigns.reading import read_campaign
-from drivora_service.campaigns.stored import new_campaign, run_stored
+from drivora_service.campaigns.records.campaign_folder import CampaignFolder
+from drivora_service.campaigns.records.stored_campaigns import new_campaign, run_stored
+from drivora_service.campaigns.search.conducting import Watcher
 from drivora_service.execution.executor import Executor
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.store.campaign_records import CampaignRequest
+from drivora_service.store.campaigns.campaign_records import CampaignRequest
 from drivora_service.store.database import open_database
 
 _EXAMPLES = Path(__file__).parents[2] / "openscenario_schemas" / "examples" / "campaigns"

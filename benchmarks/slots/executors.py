@@ -10,9 +10,9 @@ from pathlib import Path
 
 from benchmarks.slots.sleeping_worker import Sleep
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.ray.executor import RayExecutor
+from drivora_service.execution.ray.ray_executor import RayExecutor
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.runs.run_report import RunReport, RunSpec
 from drivora_service.worker.setup import WorkerSetup
 from tests.execution.ray_cluster import ray_cluster
 

@@ -19,12 +19,12 @@ from drivora_service.execution.infrastructure import Infrastructure, folder_prob
 from drivora_service.execution.ownership import Ownership
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.runs.slot_state import SlotState
-from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import Database, open_database
-from drivora_service.store.records import NewRun, Priority
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.locks.command_locks import CommandLocks
+from drivora_service.store.runs.run_records import NewRun, Priority
+from drivora_service.store.traces.trace_folders import TraceFolder
 
 _AT_ONCE = 500
 _SHORTEST_REAL_RUN_S = 0.015

@@ -16,12 +16,12 @@ from datetime import UTC, datetime, timedelta
 
 from benchmarks.slots.sleeping_worker import unchanged
 from drivora_service.runs.attempt import AttemptEnd
-from drivora_service.runs.encoding import report_to_message
 from drivora_service.runs.lifecycle import cancelled_report
-from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.runs.report_encoding import report_to_message
+from drivora_service.runs.run_report import RunReport, RunSpec
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.worker.channel import Frame, Kind
-from drivora_service.worker.messages import report_of
+from drivora_service.worker.worker_messages import report_of
 
 _SPREAD = 0.2
 """Largest relative difference of a run's duration from the mean."""

@@ -10,8 +10,8 @@ import time
 from dataclasses import dataclass, replace
 
 from drivora_service.runs.candidate import Candidate, CandidateSource
-from drivora_service.runs.report import RunReport, RunSpec
-from drivora_service.worker.progress import ProgressBoard
+from drivora_service.runs.run_report import RunReport, RunSpec
+from drivora_service.worker.progress_board import ProgressBoard
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,7 +10,7 @@ import psutil
 
 from benchmarks.slots.simulated_executor import SimulatedExecutor
 from drivora_service.execution.executor import Executor
-from drivora_service.execution.ray.executor import RayExecutor
+from drivora_service.execution.ray.ray_executor import RayExecutor
 
 _CLUSTER = "tests.execution.ray_cluster"
 _DRIVER = "from multiprocessing.spawn import spawn_main"

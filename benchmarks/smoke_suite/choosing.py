@@ -12,10 +12,10 @@ from benchmarks.smoke_suite.panel import PANEL, SLOW, Driver
 from benchmarks.smoke_suite.searching import results_path
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.scenario.documents import ScenarioDocument, parse_document
-from drivora_service.suites.counted import Counted
-from drivora_service.suites.failures import find_failures
-from drivora_service.suites.results import read_results
+from drivora_service.suites.gate.counted_failures import Counted
 from drivora_service.suites.suite import SuiteScenario
+from drivora_service.suites.suite_failures import find_failures
+from drivora_service.suites.suite_results import read_results
 
 _ALIKE_M, _ALIKE_S = 10.0, 2.0
 """Failures at places and times that are the same when rounded to these are alike."""

@@ -18,11 +18,11 @@ from typing import Any
 import yaml
 
 from benchmarks.smoke_suite.panel import PANEL, Driver
-from drivora_service.cli.connection import connected
+from drivora_service.cli.application.command_connection import connected
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.scenario.documents import document_text, parse_document
-from drivora_service.store.chunks import batched
-from drivora_service.suites.results import read_results
+from drivora_service.store.engine.chunks import batched
+from drivora_service.suites.suite_results import read_results
 
 _AT_ONCE = 8
 """Minimisations that share the workers, so that none waits at the end of another."""

@@ -10,7 +10,7 @@ from benchmarks.smoke_suite.choosing import Candidate
 from benchmarks.smoke_suite.panel import PANEL, SLOW
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.entities import AgentDocument
-from drivora_service.suites.documents import EXTENSION
+from drivora_service.suites.suite_documents import EXTENSION
 
 _DRIVER = "idm"
 """Drives the scenarios of the suite if no other ADS is named."""

@@ -15,8 +15,8 @@ import numpy as np
 from benchmarks.client_load import PREFIX, Load, start
 from benchmarks.suite.measurement import Measurement, Plan, Round, Sample, sample
 from benchmarks.suite.result import Better, ResultError
-from drivora_service.api.examples import SCENARIO
-from drivora_service.cli.service_process import running_service
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.cli.application.service_process import running_service
 
 _CLIENTS = 8
 _BATCH = 100

@@ -16,14 +16,14 @@ from benchmarks.scenes import usual_scenes
 from benchmarks.suite.measurement import Measurement, Plan, Round, Sample, sample
 from benchmarks.suite.result import Better
 from benchmarks.throughput import warm_libsumo
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.conducting import Watcher
-from drivora_service.campaigns.engine import Told
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.evaluation.local_evaluator import LOCAL
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
-from drivora_service.campaigns.folder import CampaignFolder
-from drivora_service.campaigns.local_evaluator import LOCAL
-from drivora_service.campaigns.reading import read_campaign
-from drivora_service.campaigns.stored import new_campaign, run_stored
+from drivora_service.campaigns.records.campaign_folder import CampaignFolder
+from drivora_service.campaigns.records.stored_campaigns import new_campaign, run_stored
+from drivora_service.campaigns.search.conducting import Watcher
+from drivora_service.campaigns.search.engine import Told
 from drivora_service.execution.executor import Limits
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.store.database import open_database

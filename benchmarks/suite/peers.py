@@ -19,7 +19,7 @@ from benchmarks.suite.result import Better
 from benchmarks.suite.step_cost import TOWN
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.runs.run_report import RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import Scenario
 from drivora_service.simulation.sumo import SumoWorld

@@ -12,8 +12,8 @@ from benchmarks.suite.measurement import Measurement, Plan, Round, Sample, sampl
 from benchmarks.suite.step_cost import TOWN
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.runs.encoding import report_to_json
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.runs.report_encoding import report_to_json
+from drivora_service.runs.run_report import RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import NpcBehavior, Scenario
 from drivora_service.worker.performing import perform

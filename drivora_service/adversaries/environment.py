@@ -39,7 +39,7 @@ class AdversaryEnv(gymnasium.Env[View, np.int64]):  # type: ignore[misc]  # unty
     """An episode in which the caller acts against the ADS.
 
     - Actions: ``Discrete(19)``, the places of ``drivora_service.runs.adversary.ACTIONS``.
-    - Observations: ``Box(-1, 1, (39,))``, see ``drivora_service.adversaries.view``.
+    - Observations: ``Box(-1, 1, (39,))``, see ``drivora_service.adversaries.adversary_view``.
     - Rewards: 1 for a collision of the ego, else the greatest probability of one since the action
       if that is at least 0.2, else -1.
     - ``terminated``: the ego has collided, arrived, or got stuck; ``truncated``: time is up.

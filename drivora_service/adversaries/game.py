@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drivora_service.adversaries.adversary_situation import EGO, situation_of
+from drivora_service.adversaries.adversary_view import view_of
 from drivora_service.adversaries.intervening import Intervention, intervene
-from drivora_service.adversaries.situation import EGO, situation_of
-from drivora_service.adversaries.view import view_of
 from drivora_service.errors import SimulatorError
 from drivora_service.feedback.collision_probability import collision_probability
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import TerminalEvent, Trace
 from drivora_service.runs.adversary import ACTIONS, EXTENSION
 from drivora_service.scenario.canonical import scenario_sha256

@@ -5,19 +5,23 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from drivora_service.adversaries.situation import Situation
+from drivora_service.adversaries.adversary_situation import Situation
+from drivora_service.adversaries.adversary_vehicles import (
+    MANOEUVRES,
+    vehicle_across,
+    vehicle_on_route,
+)
+from drivora_service.adversaries.adversary_walkers import CROSSINGS, walker_across
 from drivora_service.adversaries.skies import SKIES, sky
-from drivora_service.adversaries.vehicles import MANOEUVRES, vehicle_across, vehicle_on_route
-from drivora_service.adversaries.walkers import CROSSINGS, walker_across
 from drivora_service.geometry.boxes import box_gap
 from drivora_service.runs.adversary import Action
-from drivora_service.scenario.actor_models import ActorKind, actor_model
+from drivora_service.scenario.checks.place_checks import check_places
+from drivora_service.scenario.checks.placed_actors import place_actors
+from drivora_service.scenario.checks.route_checks import check_route
+from drivora_service.scenario.checks.start_overlaps import StartPose
 from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import NpcVehicle, NpcWalker, Scenario, Weather
-from drivora_service.scenario.place_checks import check_places
-from drivora_service.scenario.placed_actors import place_actors
-from drivora_service.scenario.route_checks import check_route
-from drivora_service.scenario.start_overlaps import StartPose
+from drivora_service.scenario.models.actor_models import ActorKind, actor_model
 from drivora_service.simulation.episode import Episode
 
 _ROOM = 1.0

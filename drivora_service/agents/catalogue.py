@@ -10,7 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drivora_service.agents.built_in import BUILT_IN, FETCHED
+from drivora_service.agents.built_in_agents import BUILT_IN, FETCHED
 from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.installing import (
     environment_python,
@@ -32,13 +32,13 @@ from drivora_service.parameters import (
     parameter_problems,
 )
 from drivora_service.plugin_table import PluginTable
-from drivora_service.scenario.agent_checks import AgentDirectory
+from drivora_service.scenario.checks.agent_checks import AgentDirectory
 from drivora_service.scenario.model import AgentChoice
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-    from drivora_service.agents.remote.processes import AgentHosts
+    from drivora_service.agents.remote.remote_processes import AgentHosts
 
 LONGEST_CALL_S = 10.0
 """Default limit of one call of an agent, seconds."""
@@ -312,7 +312,7 @@ class AgentCatalogue:
     def _all_hosts(self) -> AgentHosts:
         if self._hosts is None:
             # Imported here, since gRPC is slow to load and not needed for looking up names.
-            from drivora_service.agents.remote.processes import AgentHosts
+            from drivora_service.agents.remote.remote_processes import AgentHosts
 
             self._hosts = AgentHosts(self._longest_call_s, self._confinement)
         return self._hosts

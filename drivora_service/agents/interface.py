@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from drivora_service.agents.log import AgentLog
-from drivora_service.geometry.arrays import FloatArray, IntArray
-from drivora_service.networks.lane_route import LaneRoute
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.routes.lane_route import LaneRoute
 from drivora_service.observations.trace import Light
-from drivora_service.scenario.actor_models import ActorModel
+from drivora_service.scenario.models.actor_models import ActorModel
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,9 +15,9 @@ from pydantic_core import PydanticCustomError
 from drivora_service.agents.entry import AgentKind
 from drivora_service.agents.manifest_parameters import ManifestParameter, ParameterDocument
 from drivora_service.errors import AgentError, InvalidDocument, Problem
+from drivora_service.scenario.document_problems import structural_problems
 from drivora_service.scenario.fields import NAME_PATTERN
 from drivora_service.scenario.plain_data import plain_data
-from drivora_service.scenario.problems import structural_problems
 
 _PLACEHOLDER = re.compile(r"\{(\w+)\}")
 _PLACEHOLDERS = ("python", "folder")

@@ -12,11 +12,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.lines import arc_lengths
-from drivora_service.networks.lane_route import LaneRoute
-from drivora_service.networks.line_tracking import track_line
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.routes.lane_route import LaneRoute
+from drivora_service.networks.routes.line_tracking import track_line
 
 _MAX_CHAIN = 8
 """Maximum number of consecutive internal lanes through one junction."""

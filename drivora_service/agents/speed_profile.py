@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 SIDE_ACCELERATION = 2.2
 """Lateral acceleration in bends on a dry road, m/s²."""

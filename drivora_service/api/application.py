@@ -10,21 +10,21 @@ from fastapi import FastAPI
 from fastapi.responses import HTMLResponse
 from starlette.routing import BaseRoute
 
-from drivora_service.api.answer_memory import AnswerMemory
-from drivora_service.api.body_limit import BodyLimit
+from drivora_service.api.answers.run_pictures import Pictures
 from drivora_service.api.context import ApiContext
-from drivora_service.api.docs_page import docs_page
-from drivora_service.api.documentation import install_openapi
-from drivora_service.api.load_guard import LoadGuard
-from drivora_service.api.methods import HeadAsGet, MethodTable
-from drivora_service.api.origin_guard import OriginGuard
-from drivora_service.api.pictures import Pictures
-from drivora_service.api.problems import install_problem_handlers
-from drivora_service.api.request_times import RequestTimes, TimedRequests
-from drivora_service.api.resources import Resources, ResourcesOnDemand
-from drivora_service.api.write_gate import WriteGate
+from drivora_service.api.documentation.docs_page import docs_page
+from drivora_service.api.documentation.openapi import install_openapi
+from drivora_service.api.guards.answer_memory import AnswerMemory
+from drivora_service.api.guards.body_limit import BodyLimit
+from drivora_service.api.guards.load_guard import LoadGuard
+from drivora_service.api.guards.method_table import HeadAsGet, MethodTable
+from drivora_service.api.guards.origin_guard import OriginGuard
+from drivora_service.api.guards.request_times import RequestTimes, TimedRequests
+from drivora_service.api.guards.write_gate import WriteGate
+from drivora_service.api.problem_details import install_problem_handlers
+from drivora_service.api.routes_on_demand import Resources, ResourcesOnDemand
 from drivora_service.api_paths import PREFIX
-from drivora_service.studies.coverage_memory import CoverageMemory
+from drivora_service.studies.coverage.coverage_memory import CoverageMemory
 
 _NOTHING = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 """Content security policy of the page of the API."""

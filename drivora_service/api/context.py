@@ -11,19 +11,19 @@ from fastapi import Depends, Request
 
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
-    from drivora_service.api.network_imports import NetworkImports
-    from drivora_service.api.sessions import SessionFile
-    from drivora_service.api.tokens import TokenFile
-    from drivora_service.campaigns.catalogues import Catalogues
-    from drivora_service.campaigns.folder import CampaignFolder
-    from drivora_service.campaigns.gene_spaces import GeneSpaces
-    from drivora_service.campaigns.host import CampaignHost
+    from drivora_service.api.answers.network_imports import NetworkImports
+    from drivora_service.api.guards.api_tokens import TokenFile
+    from drivora_service.api.guards.page_sessions import SessionFile
+    from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+    from drivora_service.campaigns.document.stored_gene_spaces import GeneSpaces
+    from drivora_service.campaigns.hosts.campaign_host import CampaignHost
+    from drivora_service.campaigns.records.campaign_folder import CampaignFolder
     from drivora_service.networks.catalogue import NetworkCatalogue
     from drivora_service.oracles.catalogue import OracleCatalogue
     from drivora_service.runs.slot_state import SlotState
     from drivora_service.store.database import Database
-    from drivora_service.studies.host import StudyHost
-    from drivora_service.suites.minimization.host import MinimizationHost
+    from drivora_service.studies.study_host import StudyHost
+    from drivora_service.suites.minimization.minimization_host import MinimizationHost
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

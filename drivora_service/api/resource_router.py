@@ -5,8 +5,8 @@ from __future__ import annotations
 from fastapi import APIRouter, Depends
 from fastapi.params import Depends as Dependency
 
-from drivora_service.api.documentation import problem_answer
-from drivora_service.api.query_guard import refuse_unknown_parameters
+from drivora_service.api.documentation.openapi import problem_answer
+from drivora_service.api.guards.query_guard import refuse_unknown_parameters
 from drivora_service.api_paths import PREFIX
 
 

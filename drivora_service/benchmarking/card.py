@@ -12,10 +12,10 @@ import numpy as np
 
 from drivora_service.agents.entry import AgentEntry
 from drivora_service.metrics.aggregates import benchmark_scores
-from drivora_service.oracles.accountability import Accountability, accountability
 from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.runs.report import RunStatus
-from drivora_service.store.records import RunRecord
+from drivora_service.oracles.verdicts.accountability import Accountability, accountability
+from drivora_service.runs.run_report import RunStatus
+from drivora_service.store.runs.run_records import RunRecord
 
 COLLISION = "collision"
 RED_LIGHT = "red_light"

@@ -10,8 +10,8 @@ from typing import Any
 
 from drivora_service.agents.entry import AgentEntry
 from drivora_service.benchmarking.card import AgentCard, BenchmarkRun
+from drivora_service.benchmarking.card_courses import COURSES, VERSION
 from drivora_service.benchmarking.card_text import card_markdown, cards_markdown
-from drivora_service.benchmarking.courses import COURSES, VERSION
 
 
 def cards_content(

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from drivora_service.agents.entry import AgentEntry
 from drivora_service.benchmarking.card import AgentCard, BenchmarkRun, Figures
-from drivora_service.benchmarking.courses import COURSES, VERSION
+from drivora_service.benchmarking.card_courses import COURSES, VERSION
 from drivora_service.markdown_text import Markdown, table
 
 COLUMNS = (

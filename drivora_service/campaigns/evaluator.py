@@ -9,7 +9,7 @@ from typing import Protocol
 
 from drivora_service.execution.executor import Limits
 from drivora_service.runs.candidate import Candidate
-from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.runs.run_report import RunReport, RunSpec
 from drivora_service.worker.setup import WorkerSetup
 
 

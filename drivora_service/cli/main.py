@@ -9,35 +9,40 @@ from typing import Annotated, Any
 
 import typer
 
-from drivora_service.cli.commands import (
-    agents,
-    campaign,
-    compare,
-    demo,
-    examples,
-    export,
-    failures,
-    laws,
-    minimize,
-    networks,
-    oracles,
-    plot,
-    rejudge,
-    replay,
-    run,
-    runs,
-    schema,
-    seeds,
-    serve,
-    store,
-    study,
-    suite,
-    testers,
-    tokens,
-    validate,
+from drivora_service.cli.batches import compare_command
+from drivora_service.cli.campaigns import campaign_commands
+from drivora_service.cli.catalogues import (
+    agents_commands,
+    laws_commands,
+    networks_commands,
+    oracles_commands,
+    testers_commands,
 )
 from drivora_service.cli.exit_codes import EPILOG, ExitCode
-from drivora_service.cli.output import fail, note
+from drivora_service.cli.failures import failures_commands, minimize_command
+from drivora_service.cli.runs import (
+    plot_command,
+    rejudge_command,
+    replay_command,
+    run_command,
+    runs_commands,
+)
+from drivora_service.cli.scenarios import (
+    examples_command,
+    schema_command,
+    seeds_commands,
+    validate_command,
+)
+from drivora_service.cli.service import (
+    demo_command,
+    export_command,
+    serve_command,
+    store_commands,
+    tokens_commands,
+)
+from drivora_service.cli.studies import study_commands
+from drivora_service.cli.suites import suite_commands
+from drivora_service.cli.terminal.output import fail, note
 from drivora_service.errors import (
     ConfigurationError,
     DrivoraError,
@@ -74,31 +79,31 @@ app = Commands(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-app.command("run", epilog=EPILOG)(run.run)
-app.command("compare", epilog=EPILOG)(compare.compare)
-app.command("serve", epilog=EPILOG)(serve.serve)
-app.command("validate", epilog=EPILOG)(validate.validate)
-app.command("plot", epilog=EPILOG)(plot.plot)
-app.command("minimize", epilog=EPILOG)(minimize.minimize)
-app.command("rejudge", epilog=EPILOG)(rejudge.rejudge)
-app.command("replay", epilog=EPILOG)(replay.replay)
-app.command("export", epilog=EPILOG)(export.export)
-app.command("schema", epilog=EPILOG)(schema.schema)
-app.command("demo", epilog=EPILOG)(demo.demo)
-app.command("examples", epilog=EPILOG)(examples.examples)
-app.add_typer(runs.app, name="runs", epilog=EPILOG)
-app.add_typer(campaign.app, name="campaign", epilog=EPILOG)
-app.add_typer(study.app, name="study", epilog=EPILOG)
-app.add_typer(failures.app, name="failures", epilog=EPILOG)
-app.add_typer(suite.app, name="suite", epilog=EPILOG)
-app.add_typer(seeds.app, name="seeds", epilog=EPILOG)
-app.add_typer(networks.app, name="networks", epilog=EPILOG)
-app.add_typer(agents.app, name="agents", epilog=EPILOG)
-app.add_typer(testers.app, name="testers", epilog=EPILOG)
-app.add_typer(oracles.app, name="oracles", epilog=EPILOG)
-app.add_typer(laws.app, name="laws", epilog=EPILOG)
-app.add_typer(store.app, name="store", epilog=EPILOG)
-app.add_typer(tokens.app, name="tokens", epilog=EPILOG)
+app.command("run", epilog=EPILOG)(run_command.run)
+app.command("compare", epilog=EPILOG)(compare_command.compare)
+app.command("serve", epilog=EPILOG)(serve_command.serve)
+app.command("validate", epilog=EPILOG)(validate_command.validate)
+app.command("plot", epilog=EPILOG)(plot_command.plot)
+app.command("minimize", epilog=EPILOG)(minimize_command.minimize)
+app.command("rejudge", epilog=EPILOG)(rejudge_command.rejudge)
+app.command("replay", epilog=EPILOG)(replay_command.replay)
+app.command("export", epilog=EPILOG)(export_command.export)
+app.command("schema", epilog=EPILOG)(schema_command.schema)
+app.command("demo", epilog=EPILOG)(demo_command.demo)
+app.command("examples", epilog=EPILOG)(examples_command.examples)
+app.add_typer(runs_commands.app, name="runs", epilog=EPILOG)
+app.add_typer(campaign_commands.app, name="campaign", epilog=EPILOG)
+app.add_typer(study_commands.app, name="study", epilog=EPILOG)
+app.add_typer(failures_commands.app, name="failures", epilog=EPILOG)
+app.add_typer(suite_commands.app, name="suite", epilog=EPILOG)
+app.add_typer(seeds_commands.app, name="seeds", epilog=EPILOG)
+app.add_typer(networks_commands.app, name="networks", epilog=EPILOG)
+app.add_typer(agents_commands.app, name="agents", epilog=EPILOG)
+app.add_typer(testers_commands.app, name="testers", epilog=EPILOG)
+app.add_typer(oracles_commands.app, name="oracles", epilog=EPILOG)
+app.add_typer(laws_commands.app, name="laws", epilog=EPILOG)
+app.add_typer(store_commands.app, name="store", epilog=EPILOG)
+app.add_typer(tokens_commands.app, name="tokens", epilog=EPILOG)
 
 
 def _print_version(wanted: bool) -> None:

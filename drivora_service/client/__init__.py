@@ -16,7 +16,7 @@ from drivora_service.client.call import Call, Document, Language, Listing, Obser
 from drivora_service.client.client import Client
 from drivora_service.client.listening import Event
 from drivora_service.client.transport import ApplicationTransport, AsyncApplicationTransport
-from drivora_service.observations.trace_rows import TraceRows
+from drivora_service.observations.trace_files.trace_rows import TraceRows
 
 __all__ = [
     "ApplicationTransport",

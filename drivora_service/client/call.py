@@ -168,7 +168,7 @@ def listing(
     template: str, item: type[T], limit: int | None, *, query: Query | None = None, **places: str
 ) -> Listing[T]:
     """Returns a list of at most ``limit`` items; ``None``: all."""
-    from drivora_service.store.records import Page
+    from drivora_service.store.runs.run_records import Page
 
     page: Any = Page
     first: Call[Any] = Call(

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.runs import Run
     from drivora_service.api.schemas.studies import Study
     from drivora_service.client.call import Call
-    from drivora_service.store.change_lists import ChangedKind
+    from drivora_service.store.changes.change_lists import ChangedKind
 
 T = TypeVar("T")
 
@@ -115,7 +115,7 @@ def batch_runs(batch_id: str, terms: Terms, on_progress: Callable[[Batch], None]
     Raises:
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
-    from drivora_service.store.change_lists import ChangedKind
+    from drivora_service.store.changes.change_lists import ChangedKind
 
     handed_out: set[str] = set()
     pace = _Pace(is_local=terms.service.is_local)
@@ -141,8 +141,8 @@ def _ended_runs(batch_id: str, terms: Terms, handed_out: set[str], *, most: int)
     The newest jobs come first in the list and are run last, so that what has ended since stands at
     its beginning; the rest of the list is not read.
     """
-    from drivora_service.runs.report import RunStatus
-    from drivora_service.store.records import JobFilter
+    from drivora_service.runs.run_report import RunStatus
+    from drivora_service.store.runs.run_records import JobFilter
 
     final = frozenset(status for status in RunStatus if status.is_final)
     listing = jobs.jobs(JobFilter(batch_id=batch_id, statuses=final))
@@ -206,8 +206,8 @@ def followed_campaign(
     Raises:
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
-    from drivora_service.store.campaign_records import CampaignState
-    from drivora_service.store.change_lists import ChangedKind
+    from drivora_service.store.campaigns.campaign_records import CampaignState
+    from drivora_service.store.changes.change_lists import ChangedKind
 
     watched = _Watched(
         kind=ChangedKind.CAMPAIGN,
@@ -232,7 +232,7 @@ def followed_study(
     Raises:
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
-    from drivora_service.store.change_lists import ChangedKind
+    from drivora_service.store.changes.change_lists import ChangedKind
 
     watched = _Watched(
         kind=ChangedKind.STUDY,
@@ -257,7 +257,7 @@ def ended_minimization(
     Raises:
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
-    from drivora_service.store.change_lists import ChangedKind
+    from drivora_service.store.changes.change_lists import ChangedKind
 
     watched = _Watched(
         kind=ChangedKind.MINIMIZATION,

@@ -18,7 +18,7 @@ import anyio
 import httpx
 from anyio.from_thread import start_blocking_portal
 
-from drivora_service.client.exchange import Exchange
+from drivora_service.client.http_exchange import Exchange
 from drivora_service.client.lifespan import STOPPED, Application, Lifespan
 from drivora_service.errors import ServiceError
 

@@ -13,7 +13,7 @@ from drivora_service.client.replies import Reply
 
 if TYPE_CHECKING:
     from drivora_service.client.listening import Event
-    from drivora_service.store.change_lists import ChangedKind
+    from drivora_service.store.changes.change_lists import ChangedKind
 
 _SHORTEST_S, _LONGEST_S = 0.1, 2.0
 """Bounds of the seconds between two looks, of which a look shall take half at most."""

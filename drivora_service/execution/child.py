@@ -12,17 +12,17 @@ from drivora_service.execution.kept_worker import KeeperLostError, KeptWorker, W
 from drivora_service.execution.sent_report import SentReport
 from drivora_service.execution.worker_log import WorkerLog
 from drivora_service.runs.candidate import Candidate
-from drivora_service.runs.report import RunSpec
-from drivora_service.simulation.phase import RunPhase
+from drivora_service.runs.run_report import RunSpec
+from drivora_service.simulation.run_phase import RunPhase
 from drivora_service.worker.channel import LONGEST_BODY, Kind, ProtocolError
 from drivora_service.worker.loop import WorkerTask
-from drivora_service.worker.messages import NotReady, candidate_of, message_of
-from drivora_service.worker.processes import (
+from drivora_service.worker.process_readings import (
     ProcessReading,
     proportional_memory,
     read_process,
 )
-from drivora_service.worker.progress import NO_PROGRESS, Progress
+from drivora_service.worker.progress_board import NO_PROGRESS, Progress
+from drivora_service.worker.worker_messages import NotReady, candidate_of, message_of
 
 _DESCENDANTS_EVERY_S = 0.7
 """Seconds between two measurements of the memory of processes started in the worker."""

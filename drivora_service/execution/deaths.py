@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import signal
 
-from drivora_service.runs.report import RunFailure, RunReport, RunStatus
-from drivora_service.simulation.phase import RunPhase
-from drivora_service.worker.progress import Progress
+from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
+from drivora_service.simulation.run_phase import RunPhase
+from drivora_service.worker.progress_board import Progress
 
 _CRASHES = frozenset(
     {

@@ -25,10 +25,10 @@ from drivora_service.execution.supervised import Backoff, SupervisedThread
 from drivora_service.fault_log import FaultLog
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
-from drivora_service.runs.report import RunSpec
+from drivora_service.runs.run_report import RunSpec
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.store.database import Database
-from drivora_service.store.traces import RunTraces
+from drivora_service.store.traces.trace_folders import RunTraces
 
 _POLL_S = 0.5
 _HEARTBEAT_S = 2.0

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from drivora_service.runs.attempt import AttemptEnd
-from drivora_service.runs.report import RunSpec
+from drivora_service.runs.run_report import RunSpec
 from drivora_service.runs.slot_state import SlotState
 
 

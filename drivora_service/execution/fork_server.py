@@ -16,7 +16,7 @@ from typing import Any
 import structlog
 
 from drivora_service.errors import ConfigurationError
-from drivora_service.worker.processes import ProcessHandle
+from drivora_service.worker.process_readings import ProcessHandle
 
 _PRELOADED = "drivora_service.worker.preloaded"
 

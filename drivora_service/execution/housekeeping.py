@@ -8,8 +8,8 @@ from datetime import UTC, datetime
 
 from drivora_service.execution.supervised import Backoff, SupervisedThread
 from drivora_service.store.database import Database
-from drivora_service.store.retention import Retention, retain
-from drivora_service.store.traces import FailureTraces, RunTraces
+from drivora_service.store.traces.trace_folders import FailureTraces, RunTraces
+from drivora_service.store.upkeep.retention import Retention, retain
 
 _EVERY_S = 3600.0
 _STOP_S = 5.0

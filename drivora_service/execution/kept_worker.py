@@ -12,7 +12,7 @@ from multiprocessing.process import BaseProcess
 import psutil
 
 from drivora_service.execution.fork_server import forget_process, start_process
-from drivora_service.runs.report import RunSpec
+from drivora_service.runs.run_report import RunSpec
 from drivora_service.worker.channel import (
     Channel,
     ChannelClosedError,
@@ -23,15 +23,15 @@ from drivora_service.worker.channel import (
 )
 from drivora_service.worker.keeper import HandedFile, is_guard, keep
 from drivora_service.worker.loop import WorkerTask
-from drivora_service.worker.messages import Ended, Leftovers, Started, message_of
-from drivora_service.worker.processes import (
+from drivora_service.worker.process_readings import (
     ProcessHandle,
     descendants_of,
     listed_children,
     read_process,
     started_processes,
 )
-from drivora_service.worker.progress import BoardReader
+from drivora_service.worker.progress_board import BoardReader
+from drivora_service.worker.worker_messages import Ended, Leftovers, Started, message_of
 
 _ANSWER_S = 10.0
 """Seconds within which a keeper answers, and reports the end of a worker with a closed channel."""

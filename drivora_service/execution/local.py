@@ -13,10 +13,10 @@ from drivora_service.execution.executor import Limits
 from drivora_service.execution.fork_server import prepare_processes
 from drivora_service.execution.log_keeper import LogKeeper
 from drivora_service.execution.slot import Slot
-from drivora_service.execution.starts import WorkerStarts
+from drivora_service.execution.worker_starts import WorkerStarts
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
-from drivora_service.runs.report import RunSpec
+from drivora_service.runs.run_report import RunSpec
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.worker.loop import PERFORM, PREPARE, WARM_UP, WorkerTask
 

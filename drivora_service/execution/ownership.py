@@ -11,12 +11,12 @@ import structlog
 
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.slot_state import SlotState
-from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import Database
-from drivora_service.store.file_lock import FileLock
-from drivora_service.store.ids import new_id
+from drivora_service.store.engine.ids import new_id
+from drivora_service.store.locks.command_locks import CommandLocks
+from drivora_service.store.locks.file_lock import FileLock
+from drivora_service.store.locks.work_locks import HeldWork, LongWork
 from drivora_service.store.migration import refuse_other_schema
-from drivora_service.store.work_locks import HeldWork, LongWork
 
 HEARTBEAT_TIMEOUT_S = 30.0
 """Seconds without a heartbeat after which the runs of another server, or of a command with another

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drivora_service.runs.candidate import Candidate
-from drivora_service.runs.report import RunReport, RunSpec
+from drivora_service.runs.run_report import RunReport, RunSpec
 from drivora_service.worker.channel import Frame
-from drivora_service.worker.messages import candidate_of, is_of_finished_run, report_of
+from drivora_service.worker.worker_messages import candidate_of, is_of_finished_run, report_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -24,16 +24,16 @@ from drivora_service.execution.deaths import (
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.kept_worker import KeeperLostError, WorkerDiedError
 from drivora_service.execution.sent_report import SentReport
-from drivora_service.execution.starts import WorkerStarts
 from drivora_service.execution.watch import Sample, Watch
 from drivora_service.execution.worker_log import WorkerLog
+from drivora_service.execution.worker_starts import WorkerStarts
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.worker.channel import ProtocolError
 from drivora_service.worker.loop import WorkerTask
-from drivora_service.worker.progress import NO_PROGRESS
+from drivora_service.worker.progress_board import NO_PROGRESS
 
 _POLL_S = 0.2
 """Seconds between two checks of a run: the resolution of its limits. A check wakes the process that

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 
 from drivora_service.errors import StoreUnavailable
 from drivora_service.runs.attempt import AttemptEnd
-from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
 
 TRACE_NOT_WRITTEN = "trace_not_written"
 """Cause of a run whose trace could not be written."""

@@ -11,10 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drivora_service.execution.executor import Limits
-from drivora_service.runs.report import RunFailure, RunStatus
-from drivora_service.simulation.phase import RunPhase
-from drivora_service.worker.processes import ProcessReading
-from drivora_service.worker.progress import Progress
+from drivora_service.runs.run_report import RunFailure, RunStatus
+from drivora_service.simulation.run_phase import RunPhase
+from drivora_service.worker.process_readings import ProcessReading
+from drivora_service.worker.progress_board import Progress
 
 _LONGEST_GAP_S = 1.0
 """Seconds between two looks that count; more means that the server itself was delayed."""

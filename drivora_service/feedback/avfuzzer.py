@@ -15,7 +15,7 @@ from pydantic import Field
 
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.observations.proximity import gaps_between
 from drivora_service.observations.trace import LEVEL_GAP, Col, EgoCol, Role
 from drivora_service.parameters import read_parameters

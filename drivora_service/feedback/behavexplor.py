@@ -17,7 +17,7 @@ from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.feedback.windows import motion_signals, window_statistics
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Col, TerminalEvent
 from drivora_service.oracles.off_road import OffRoad
 from drivora_service.parameters import read_parameters

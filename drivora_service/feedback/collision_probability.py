@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.observations.trace import LEVEL_GAP, Actor, Col, Role
 
 MARGIN = 5.0

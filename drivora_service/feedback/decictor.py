@@ -15,7 +15,7 @@ from pydantic import Field
 
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.reference_path import (
     line_of,
     path_overlap,

@@ -18,7 +18,7 @@ from drivora_service.feedback.ego_decisions import DecisionThresholds, find_deci
 from drivora_service.feedback.ego_distance import least_ego_distance
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
-from drivora_service.networks.route_meetings import find_meetings
+from drivora_service.networks.routes.route_meetings import find_meetings
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import EgoRoute
 from drivora_service.parameters import read_parameters

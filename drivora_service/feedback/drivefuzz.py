@@ -16,7 +16,7 @@ from pydantic import Field
 from drivora_service.feedback.driving_frames import DrivingFrames, driving_frames
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
-from drivora_service.geometry.arrays import BoolArray
+from drivora_service.geometry.array_shapes import BoolArray
 from drivora_service.parameters import read_parameters
 
 if TYPE_CHECKING:

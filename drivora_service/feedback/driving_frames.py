@@ -5,8 +5,9 @@ the run is. Each frame is judged by the change over the 0.2 s before it, the lon
 document, so that recordings with short and with long steps are smoothed alike.
 
 The yaw rate of neutral steering is that of a bicycle whose tyres do not slip (Rajamani, *Vehicle
-Dynamics and Control*, 2012, section 2.2), as in ``simulation.dynamics``: at the speed ``v`` of the
-middle between the axles and the wheel angle ``d``, ``2 v sin(atan(tan(d) / 2)) / wheelbase``.
+Dynamics and Control*, 2012, section 2.2), as in ``simulation.motion.vehicle_dynamics``: at the
+speed ``v`` of the middle between the axles and the wheel angle ``d``,
+``2 v sin(atan(tan(d) / 2)) / wheelbase``.
 A vehicle that turns less than its wheels say understeers, one that turns more, or against them,
 oversteers.
 """
@@ -20,11 +21,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drivora_service.errors import UnknownName
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.ground import wheelbase_of
 from drivora_service.observations.trace import Col, EgoCol
 from drivora_service.oracles.avoidability.evasion import STEER_RATE
-from drivora_service.scenario.actor_models import ActorKind, actor_model
+from drivora_service.scenario.models.actor_models import ActorKind, actor_model
 
 if TYPE_CHECKING:
     from drivora_service.observations.run_view import EgoView

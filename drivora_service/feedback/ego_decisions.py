@@ -13,8 +13,8 @@ from enum import IntEnum
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
-from drivora_service.networks.route_meetings import Meeting
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.networks.routes.route_meetings import Meeting
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import LEVEL_GAP, Col, EgoCol, Light, Role
 from drivora_service.oracles.blocked import STANDING_SPEED

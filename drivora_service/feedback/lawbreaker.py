@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
-from drivora_service.oracles.laws.judging import violation_robustness
 from drivora_service.oracles.laws.law import Law
+from drivora_service.oracles.laws.law_judging import violation_robustness
 from drivora_service.oracles.laws.library import LawLibrary
 from drivora_service.parameters import read_parameters
 

@@ -17,7 +17,7 @@ from pydantic import Field
 
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.observations.proximity import gaps_between
 from drivora_service.observations.trace import LEVEL_GAP, Col, EgoCol, Light, Role, TerminalEvent

@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.errors import UnknownName
-from drivora_service.geometry.arrays import FloatArray, Int32Array
-from drivora_service.observations.conditions import frictions_under
+from drivora_service.geometry.array_shapes import FloatArray, Int32Array
 from drivora_service.observations.leaders import leaders
 from drivora_service.observations.own_frame import own_acceleration
 from drivora_service.observations.proximity import gaps_between
+from drivora_service.observations.recorded_conditions import frictions_under
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import EgoCol
-from drivora_service.oracles.avoidability.driver import GRAVITY
-from drivora_service.scenario.actor_models import ActorKind, actor_model
+from drivora_service.oracles.avoidability.careful_driver import GRAVITY
+from drivora_service.scenario.models.actor_models import ActorKind, actor_model
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,7 +141,7 @@ def _pedals(ego: EgoView) -> tuple[FloatArray, FloatArray]:
     """Returns the (n,) throttle and brake for the commanded acceleration; NaN if not known.
 
     Pedals ask for shares of the vehicle's greatest acceleration and braking, in
-    ``simulation.commands``, so that they follow from the acceleration.
+    ``simulation.motion.vehicle_commands``, so that they follow from the acceleration.
     """
     asked = ego.value(EgoCol.ACCELERATION)
     try:

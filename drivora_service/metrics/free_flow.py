@@ -21,9 +21,9 @@ from drivora_service.agents.speed_profile import (
     free_speeds,
     slow_down_in_time,
 )
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.projection import project_points
-from drivora_service.observations.conditions import road_frictions
+from drivora_service.observations.recorded_conditions import road_frictions
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import EgoCol
 from drivora_service.oracles.blocked import STANDING_SPEED, waiting_at_signal

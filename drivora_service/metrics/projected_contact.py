@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import BoolArray, FloatArray, Int32Array
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, Int32Array
 from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import LEVEL_GAP, Col

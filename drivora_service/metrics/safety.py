@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.metrics.measured import Combine, Measured
 from drivora_service.observations.run_view import EgoView, RunView
 

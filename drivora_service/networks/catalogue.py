@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Protocol
 
 from drivora_service.errors import UnknownName
-from drivora_service.networks.loading import load_network
+from drivora_service.networks.network_loading import load_network
 from drivora_service.networks.provenance import FILE_NAME, Provenance, read_provenance
 from drivora_service.networks.road_network import RoadNetwork
 

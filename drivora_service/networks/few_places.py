@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray, Int32Array
+from drivora_service.geometry.array_shapes import FloatArray, Int32Array
 from drivora_service.networks.segment_index import CELL, SegmentIndex
 
 HEADING_WEIGHT = 3.0

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.networks.road_network import RoadNetwork
 
 

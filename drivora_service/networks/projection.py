@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled, worth_loading
-from drivora_service.geometry.arrays import FloatArray, Int32Array
+from drivora_service.geometry.array_shapes import FloatArray, Int32Array
 from drivora_service.networks import few_places
 from drivora_service.networks.few_places import HEADING_WEIGHT, HYSTERESIS, OVERSHOOT
 from drivora_service.networks.road_network import LanePosition, RoadNetwork

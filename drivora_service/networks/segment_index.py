@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.geometry.arrays import FloatArray, Int32Array
+from drivora_service.geometry.array_shapes import FloatArray, Int32Array
 from drivora_service.networks.road_network import Lane, RoadNetwork
 
 CELL = 10.0

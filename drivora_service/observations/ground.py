@@ -17,9 +17,9 @@ import numpy as np
 
 from drivora_service.compilation import compiled
 from drivora_service.errors import UnknownName
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import LEVEL_GAP, Actor
-from drivora_service.scenario.actor_models import ActorKind, actor_model
+from drivora_service.scenario.models.actor_models import ActorKind, actor_model
 
 _WHEELBASE_SHARE = 0.6
 

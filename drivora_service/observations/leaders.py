@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import BoolArray, FloatArray, Int32Array
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, Int32Array
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import LEVEL_GAP, Col, Role
 

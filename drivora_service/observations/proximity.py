@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import BoolArray, FloatArray, Int32Array
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, Int32Array
 from drivora_service.geometry.boxes import box_gap, overlap_depth, time_to_contact
 from drivora_service.geometry.kernels import wrapped
 from drivora_service.observations.trace import LEVEL_GAP, Col, Trace

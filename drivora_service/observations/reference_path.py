@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.geometry.lines import arc_lengths
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Col, PoseCol

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from shapely import LineString, Point
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.road_network import Connection
 from drivora_service.networks.stop_lines import StopLines, WayThrough, stop_lines
+from drivora_service.observations.recorded_signals import signal_shown
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.signals import signal_shown
 from drivora_service.observations.trace import EgoCol, Light
 
 _SAME_LINE = 1.0

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray, ByteArray, FloatArray, Int32Array
+from drivora_service.geometry.array_shapes import BoolArray, ByteArray, FloatArray, Int32Array
 from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.networks.lane_bends import tangent_gap

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.observations.trace import LEVEL_GAP
 
 _ABOVE_ROOF = 0.2

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.geometry.arrays import BoolArray, ByteArray, FloatArray, Int32Array
+from drivora_service.geometry.array_shapes import BoolArray, ByteArray, FloatArray, Int32Array
 
 
 class Role(StrEnum):

@@ -13,7 +13,7 @@ import shapely
 from shapely import LineString, Polygon
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.right_of_way import right_of_way
@@ -21,8 +21,8 @@ from drivora_service.networks.road_network import Connection, RoadNetwork
 from drivora_service.networks.stop_lines import WayThrough
 from drivora_service.observations.leaders import VEHICLES
 from drivora_service.observations.line_crossings import Crossing
+from drivora_service.observations.recorded_signals import signal_letter
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.signals import signal_letter
 from drivora_service.observations.trace import LEVEL_GAP, Col, Role
 
 _NEAR = 80.0

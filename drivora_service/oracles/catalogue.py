@@ -16,12 +16,12 @@ from pydantic_core import to_jsonable_python
 
 from drivora_service.errors import OracleError, UnknownName
 from drivora_service.oracles.built_in import default_oracles
-from drivora_service.oracles.descriptions import OracleDescription, described
-from drivora_service.oracles.installed import InstalledOracle, traceback_of
+from drivora_service.oracles.installed_oracles import InstalledOracle, traceback_of
 from drivora_service.oracles.laws.description import law_description
-from drivora_service.oracles.laws.judging import LawOracle
+from drivora_service.oracles.laws.law_judging import LawOracle
 from drivora_service.oracles.laws.library import LawLibrary
 from drivora_service.oracles.laws.sources import LawSource
+from drivora_service.oracles.oracle_descriptions import OracleDescription, described
 from drivora_service.oracles.plugin import OraclePlugin
 from drivora_service.oracles.verdict import Oracle
 from drivora_service.plugin_table import PluginTable

@@ -11,7 +11,7 @@ from drivora_service.oracles.avoidability.assess import assess
 from drivora_service.oracles.responsibility import nuplan
 from drivora_service.oracles.responsibility.finding import Fault, Finding
 from drivora_service.oracles.responsibility.impact import Impact, find_impact
-from drivora_service.oracles.responsibility.judging import find_responsible
+from drivora_service.oracles.responsibility.responsibility_judging import find_responsible
 from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import Col, EgoCol, TerminalEvent
 from drivora_service.oracles.blocked import STANDING_SPEED, waiting_at_signal

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray
+from drivora_service.geometry.array_shapes import BoolArray
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.oracles.verdict import (
     Severity,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray
+from drivora_service.geometry.array_shapes import BoolArray
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import Col, EgoCol

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.networks.stop_lines import stop_lines
 from drivora_service.observations.leaders import leaders
 from drivora_service.observations.run_view import EgoView, RunView

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.geometry.boxes import boxes_overlap
 from drivora_service.observations.reference_path import (
     distances_to_line,

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry.arrays import ByteArray
+from drivora_service.geometry.array_shapes import ByteArray
 from drivora_service.observations.line_crossings import Crossing
+from drivora_service.observations.recorded_signals import BESIDE_ROUTE, signal_shown
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.signals import BESIDE_ROUTE, signal_shown
 from drivora_service.observations.trace import EgoCol, Light
 from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
 

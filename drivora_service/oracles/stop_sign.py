@@ -9,8 +9,8 @@ import numpy as np
 from drivora_service.networks.line_controls import STOPPING_LETTERS
 from drivora_service.networks.road_network import Connection
 from drivora_service.observations.line_crossings import Crossing
+from drivora_service.observations.recorded_signals import stop_shown
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.signals import stop_shown
 from drivora_service.observations.trace import Col
 from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
 

@@ -12,11 +12,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from drivora_service.observations.trace import Light, Role, Trace
-from drivora_service.oracles.accountability import IN_WORDS, accountability
-from drivora_service.oracles.violation_marks import Mark
+from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountability
+from drivora_service.oracles.verdicts.violation_marks import Mark
 from drivora_service.plotting import colors
-from drivora_service.plotting.patches import patch_entry
-from drivora_service.plotting.view import View
+from drivora_service.plotting.drawn_patches import patch_entry
+from drivora_service.plotting.picture_view import View
 
 Handle = Line2D | Patch | tuple[Line2D, ...]
 

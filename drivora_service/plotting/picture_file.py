@@ -13,7 +13,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from drivora_service.plotting import colors
-from drivora_service.plotting.view import View
+from drivora_service.plotting.picture_view import View
 
 _DPI = 150
 

@@ -9,16 +9,16 @@ from pathlib import Path
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.trace import Trace
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.oracles.violation_marks import marks_of
+from drivora_service.oracles.verdicts.violation_marks import marks_of
 from drivora_service.plotting import colors
+from drivora_service.plotting.drawn_road import draw_road
+from drivora_service.plotting.drawn_signals import draw_signals
 from drivora_service.plotting.panel import draw_scale_bar
 from drivora_service.plotting.picture_file import add_map, picture_file
-from drivora_service.plotting.road import draw_road
-from drivora_service.plotting.signals import draw_signals
+from drivora_service.plotting.picture_view import view_of_run
 from drivora_service.plotting.strip import fitted_title
 from drivora_service.plotting.trails import draw_trails
 from drivora_service.plotting.verdict_marks import draw_marks
-from drivora_service.plotting.view import view_of_run
 
 _MAP_WIDTH_IN = 6.2
 _EDGE_IN = 0.15

@@ -13,16 +13,16 @@ from matplotlib.axes import Axes
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.trace import Col, Role, Trace
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.oracles.violation_marks import Mark, marks_of
+from drivora_service.oracles.verdicts.violation_marks import Mark, marks_of
 from drivora_service.plotting import colors
-from drivora_service.plotting.boxes import draw_box
+from drivora_service.plotting.drawn_boxes import draw_box
+from drivora_service.plotting.drawn_patches import draw_patches
+from drivora_service.plotting.drawn_road import draw_road
+from drivora_service.plotting.drawn_signals import draw_signals
 from drivora_service.plotting.panel import describe
-from drivora_service.plotting.patches import draw_patches
 from drivora_service.plotting.picture_file import add_map, picture_file
-from drivora_service.plotting.road import draw_road
-from drivora_service.plotting.signals import draw_signals
+from drivora_service.plotting.picture_view import View
 from drivora_service.plotting.trails import broken_trail
-from drivora_service.plotting.view import View
 
 MOST_MOMENTS = 12
 _APART_S = 1.0

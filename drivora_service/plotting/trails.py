@@ -13,11 +13,11 @@ from matplotlib.colors import Normalize
 from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import NDArray
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Actor, Col, Role, Trace
 from drivora_service.plotting import colors
-from drivora_service.plotting.boxes import draw_box
-from drivora_service.plotting.view import View
+from drivora_service.plotting.drawn_boxes import draw_box
+from drivora_service.plotting.picture_view import View
 
 _TIME_MARKS = 6
 

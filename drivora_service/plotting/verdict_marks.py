@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from drivora_service.geometry.arrays import FloatArray
-from drivora_service.oracles.violation_marks import Mark
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.oracles.verdicts.violation_marks import Mark
 from drivora_service.plotting import colors
-from drivora_service.plotting.view import View
+from drivora_service.plotting.picture_view import View
 
 _BADGE_IN = 0.24
 

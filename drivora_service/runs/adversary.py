@@ -17,7 +17,7 @@ from enum import StrEnum
 import numpy as np
 
 from drivora_service.errors import SearchError
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 OBSERVATION_SIZE = 39
 """Number of values that describe a situation to a policy, each within -1..1."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from drivora_service.runs.candidate import Candidate
-from drivora_service.runs.report import RunReport
+from drivora_service.runs.run_report import RunReport
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

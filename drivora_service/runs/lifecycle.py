@@ -20,7 +20,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
 
 LONGEST_WAIT_S = 600.0
 """Seconds that a run waits at most after a death of the server; see :class:`RetryPolicy`."""

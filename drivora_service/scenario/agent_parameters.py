@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from drivora_service.errors import InvalidDocument, Problem
-from drivora_service.scenario.agent_checks import AgentDirectory
+from drivora_service.scenario.checks.agent_checks import AgentDirectory
 from drivora_service.scenario.model import AgentChoice, Scenario
 from drivora_service.scenario.plain_data import plain_data, pointer
 

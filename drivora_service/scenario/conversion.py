@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario import entities, model
-from drivora_service.scenario.actor_models import ActorKind, actor_model
 from drivora_service.scenario.documents import Frame, ScenarioDocument
 from drivora_service.scenario.frames import FrameTransform
+from drivora_service.scenario.models.actor_models import ActorKind, actor_model
 
 DEFAULT_AGENT = "idm"
 

@@ -16,6 +16,11 @@ from pydantic import Field, JsonValue, ValidationError
 
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario import fields
+from drivora_service.scenario.document_problems import (
+    duplicate_ids,
+    in_document_order,
+    structural_problems,
+)
 from drivora_service.scenario.entities import (
     AgentDocument,
     BackgroundTrafficDocument,
@@ -33,7 +38,6 @@ from drivora_service.scenario.entities import (
     is_agent_name,
 )
 from drivora_service.scenario.plain_data import plain_data
-from drivora_service.scenario.problems import duplicate_ids, in_document_order, structural_problems
 
 
 class Frame(StrEnum):

@@ -12,18 +12,18 @@ import numpy as np
 import shapely
 
 from drivora_service.errors import NoRoute, Problem
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.catalogue import NetworkLookup
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.networks.routing import plan_route
-from drivora_service.scenario.actor_models import ActorKind, ActorModel
-from drivora_service.scenario.checks import Checked, check, snap_start
+from drivora_service.networks.routes.routing import plan_route
+from drivora_service.scenario.checks.drafts import Doubts, make_whole
+from drivora_service.scenario.checks.placed_actors import PlacedActor
+from drivora_service.scenario.checks.route_checks import JOIN_DISTANCE, check_route, route_points
+from drivora_service.scenario.checks.scenario_checks import Checked, check, snap_start
+from drivora_service.scenario.document_problems import in_document_order
 from drivora_service.scenario.documents import read_document
-from drivora_service.scenario.drafts import Doubts, make_whole
 from drivora_service.scenario.model import NpcBehavior, Waypoint
-from drivora_service.scenario.placed_actors import PlacedActor
-from drivora_service.scenario.problems import in_document_order
-from drivora_service.scenario.route_checks import JOIN_DISTANCE, check_route, route_points
+from drivora_service.scenario.models.actor_models import ActorKind, ActorModel
 from drivora_service.scenario.validation import validate_data
 
 _SEEN = 0.02
@@ -166,7 +166,7 @@ def _thinned(path: FloatArray) -> FloatArray:
 
 
 def _path(actor: PlacedActor, network: RoadNetwork) -> FloatArray:
-    """Returns the way of an actor, as :mod:`~drivora_service.scenario.route_checks` sees it."""
+    """Returns the way of an actor, as ``scenario.checks.route_checks`` sees it."""
     places = actor.places
     if len(places) < 2:
         return np.empty((0, 2))

@@ -8,7 +8,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any
 
-from drivora_service.scenario.schema import schema_directory
+from drivora_service.scenario.scenario_schema import schema_directory
 
 
 @cache

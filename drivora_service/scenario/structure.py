@@ -8,8 +8,8 @@ from typing import Any, Literal, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.scenario.document_problems import in_document_order, structural_problems
 from drivora_service.scenario.plain_data import MAX_DOCUMENT_BYTES, plain_data
-from drivora_service.scenario.problems import in_document_order, structural_problems
 
 M = TypeVar("M", bound=BaseModel)
 

@@ -12,16 +12,20 @@ from typing import Any, Literal
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.networks.catalogue import NetworkLookup
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.scenario.checks import check, snap_start
+from drivora_service.scenario.checks.drafts import Doubts, make_whole
+from drivora_service.scenario.checks.route_checks import RouteCheck, check_route
+from drivora_service.scenario.checks.route_notes import route_notes, snap_notes
+from drivora_service.scenario.checks.scenario_checks import check, snap_start
+from drivora_service.scenario.checks.value_bounds import is_within_bounds
 from drivora_service.scenario.conversion import DEFAULT_AGENT, to_scenario
+from drivora_service.scenario.document_problems import (
+    duplicate_ids,
+    in_document_order,
+    repeated_ids,
+)
 from drivora_service.scenario.documents import ScenarioDocument, read_document
-from drivora_service.scenario.drafts import Doubts, make_whole
 from drivora_service.scenario.exporting import document_content
 from drivora_service.scenario.model import Scenario
-from drivora_service.scenario.problems import duplicate_ids, in_document_order, repeated_ids
-from drivora_service.scenario.route_checks import RouteCheck, check_route
-from drivora_service.scenario.route_notes import route_notes, snap_notes
-from drivora_service.scenario.value_bounds import is_within_bounds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

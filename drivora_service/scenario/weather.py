@@ -18,7 +18,7 @@ Every effect is a monotone function of each of CARLA's parameters. Sources and c
 - **Wind.** 100 is 20 m/s (Beaufort 8 to 9). Drag on the side of a car (8 m², coefficient 1, 1.2
   kg/m³, 1500 kg) gives 1.3 m/s² and grows with the square of the wind speed. CARLA's wind has no
   direction: here it blows towards the north-east, so that it affects roads of both axes. The tyres
-  balance it (``simulation.dynamics``).
+  balance it (``simulation.motion.vehicle_dynamics``).
 
 Cloudiness, the sun's azimuth and the fog's falloff with height have no effect.
 """

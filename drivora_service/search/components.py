@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.search.genes import GeneSpace
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.points import actor_points
 

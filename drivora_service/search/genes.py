@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from drivora_service.errors import SearchError
-from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 
 
 class GeneKind(StrEnum):

@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.search.genes import Block, GeneSpace
 
 

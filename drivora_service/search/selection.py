@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.errors import SearchError
-from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.search.plugin import SelectionPlugin
 
 

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from drivora_service.feedback.measurement import Measurement
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.adversary import AdversarySource
 from drivora_service.runs.candidate import Reference

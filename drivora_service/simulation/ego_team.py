@@ -21,24 +21,24 @@ from drivora_service.agents.log import AgentLog
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.compilation import settled
 from drivora_service.errors import AgentError
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.observations.trace import Col, Light, TerminalEvent
 from drivora_service.scenario.model import VehicleDynamics
 from drivora_service.scenario.weather import WeatherEffects
-from drivora_service.simulation.arrays import (
+from drivora_service.simulation.motion.route_tracking import Progress
+from drivora_service.simulation.motion.vehicle_commands import write_command
+from drivora_service.simulation.motion.vehicle_dynamics import Body, CommandMode
+from drivora_service.simulation.perception.ego_perception import perceive
+from drivora_service.simulation.perception.sensor_noise import SensorNoise, ego_seeds, is_noisy
+from drivora_service.simulation.plans.episode_plan import EpisodePlan
+from drivora_service.simulation.plans.plan_arrays import (
     first_progress,
     lay_routes,
     privileged_senses,
     senses_of,
     vehicle_limits,
 )
-from drivora_service.simulation.commands import write_command
-from drivora_service.simulation.dynamics import Body, CommandMode
-from drivora_service.simulation.perception import perceive
-from drivora_service.simulation.phase import SETTING_UP, RunPhase
-from drivora_service.simulation.plan import EpisodePlan
-from drivora_service.simulation.route_tracking import Progress
-from drivora_service.simulation.sensor_noise import SensorNoise, ego_seeds, is_noisy
+from drivora_service.simulation.run_phase import SETTING_UP, RunPhase
 from drivora_service.simulation.trace_assembly import Ending
 from drivora_service.simulation.world import World
 

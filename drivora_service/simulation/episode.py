@@ -28,34 +28,39 @@ from drivora_service.scenario.model import (
     Weather,
 )
 from drivora_service.scenario.weather import WeatherEffects, weather_effects
-from drivora_service.simulation import background
-from drivora_service.simulation.arrays import (
-    append_follower,
-    lay_followers,
-    lay_ground,
-    lay_obstacles,
-)
-from drivora_service.simulation.background_vehicles import BackgroundVehicles
-from drivora_service.simulation.casting import cast_actors, follower_actor, follower_body
-from drivora_service.simulation.changes import Changes, Joining, change_step, changes_anything
-from drivora_service.simulation.dynamics import CommandMode
 from drivora_service.simulation.ego_team import EgoTeam
-from drivora_service.simulation.holding import Holding, look_ahead_is_bounded
+from drivora_service.simulation.episode_changes import (
+    Changes,
+    Joining,
+    change_step,
+    changes_anything,
+)
 from drivora_service.simulation.look import Frames, Look, frames_of, look_at
-from drivora_service.simulation.plan import DrivenPlan, EpisodePlan, FollowerPlan
-from drivora_service.simulation.planning_npcs import plan_driven, plan_npc, plan_walker
-from drivora_service.simulation.route_tracking import ENDS
-from drivora_service.simulation.stand_ins import StandIns
-from drivora_service.simulation.step_kernels import (
+from drivora_service.simulation.motion.route_tracking import ENDS
+from drivora_service.simulation.motion.step_kernels import (
     finish_frame,
     make_frame,
     take_over_driven,
     write_velocity,
 )
+from drivora_service.simulation.motion.vehicle_dynamics import CommandMode
+from drivora_service.simulation.plans.casting import cast_actors, follower_actor, follower_body
+from drivora_service.simulation.plans.episode_plan import DrivenPlan, EpisodePlan, FollowerPlan
+from drivora_service.simulation.plans.plan_arrays import (
+    append_follower,
+    lay_followers,
+    lay_ground,
+    lay_obstacles,
+)
+from drivora_service.simulation.plans.planning_npcs import plan_driven, plan_npc, plan_walker
 from drivora_service.simulation.sumo import SumoWorld
-from drivora_service.simulation.sumo_patches import SumoPatches
 from drivora_service.simulation.trace_assembly import Record, assemble_trace
-from drivora_service.simulation.traffic import Traffic
+from drivora_service.simulation.traffic import background
+from drivora_service.simulation.traffic.background_vehicles import BackgroundVehicles
+from drivora_service.simulation.traffic.holding import Holding, look_ahead_is_bounded
+from drivora_service.simulation.traffic.stand_ins import StandIns
+from drivora_service.simulation.traffic.sumo_patches import SumoPatches
+from drivora_service.simulation.traffic.sumo_traffic import Traffic
 from drivora_service.simulation.world import World
 
 _ROOM_FOR_CONTACTS = 64
@@ -88,14 +93,14 @@ class Episode:
             plan: Plan of the episode.
             agents: An agent for every ego, in order.
             privileged: Whether each agent bypasses the perception model.
-            cells: (4,) progress integers to keep current (``worker.progress``).
+            cells: (4,) progress integers to keep current (``worker.progress_board``).
             mirrored: Whether SUMO has every actor at its place after every step, for agents and
                 callers that read it. Otherwise it has only while it drives vehicles, and after
                 ``catch_up_sumo``. Traces do not depend on it.
             holding: Whether SUMO need not be told of actors far from what it drives
-                (``simulation.holding``), for runs that are only stepped: nothing reads SUMO, and no
-                actor is added. Traces do not depend on it. Without effect where the scenario has
-                changes during the run.
+                (``simulation.traffic.holding``), for runs that are only stepped: nothing reads
+                SUMO, and no actor is added. Traces do not depend on it. Without effect where
+                the scenario has changes during the run.
 
         Raises:
             AgentError: If an agent fails in ``setup_env``, or two of SUMO's drivers need different

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.geometry.arrays import BoolArray, ByteArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, ByteArray, FloatArray
 from drivora_service.observations.trace import Col, Role
 from drivora_service.simulation.world import World
 

@@ -6,24 +6,28 @@ import math
 from collections.abc import Sequence
 from functools import lru_cache
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.heights import line_heights
-from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.road_network import RoadNetwork, make_read_only
-from drivora_service.networks.routing import plan_route
-from drivora_service.scenario.actor_models import ActorKind, actor_model
+from drivora_service.networks.routes.lane_route import LaneRoute
+from drivora_service.networks.routes.routing import plan_route
 from drivora_service.scenario.model import EgoVehicle, NpcBehavior, Scenario
+from drivora_service.scenario.models.actor_models import ActorKind, actor_model
 from drivora_service.scenario.weather import weather_effects
-from drivora_service.simulation.lights import RunningProgram, longest_wait, run_programs
-from drivora_service.simulation.plan import EgoPlan, EpisodePlan
-from drivora_service.simulation.planning_npcs import (
+from drivora_service.simulation.motion.route_tracking import STUCK_AFTER
+from drivora_service.simulation.plans.episode_plan import EgoPlan, EpisodePlan
+from drivora_service.simulation.plans.light_programs import (
+    RunningProgram,
+    longest_wait,
+    run_programs,
+)
+from drivora_service.simulation.plans.planning_npcs import (
     plan_driven,
     plan_npc,
     plan_walker,
     route_points,
 )
-from drivora_service.simulation.planning_places import plan_obstacle, plan_patch
-from drivora_service.simulation.route_tracking import STUCK_AFTER
+from drivora_service.simulation.plans.planning_places import plan_obstacle, plan_patch
 
 TIME_PER_METRE = 0.8
 """Time limit of an ego in seconds for each metre of route (CARLA Leaderboard)."""

@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 
 from drivora_service.errors import SimulatorError
 from drivora_service.geometry.angles import wrap_angle
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.road_network import SignalPhase
-from drivora_service.simulation.dynamics import GRAVITY
-from drivora_service.simulation.lights import RunningProgram
+from drivora_service.simulation.motion.vehicle_dynamics import GRAVITY
+from drivora_service.simulation.plans.light_programs import RunningProgram
 from drivora_service.system_libraries import explain
 
 try:

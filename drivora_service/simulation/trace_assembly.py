@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.agents.log import AgentLog
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.observations.conditions import (
+from drivora_service.observations.recorded_conditions import (
     CHANGES_KEY,
     FRICTION,
     PATCHES_KEY,
@@ -34,7 +34,7 @@ from drivora_service.observations.trace import (
 from drivora_service.scenario.canonical import scenario_sha256
 from drivora_service.scenario.model import EgoVehicle
 from drivora_service.scenario.weather import WeatherEffects
-from drivora_service.simulation.plan import EpisodePlan
+from drivora_service.simulation.plans.episode_plan import EpisodePlan
 from drivora_service.simulation.world import World
 
 _Item = TypeVar("_Item", bound=np.generic)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.observations.trace import Actor, Col, EgoCol, Role
 
 _MOST_ROWS_AT_ONCE = 4096

@@ -14,7 +14,7 @@ from drivora_service.store.database import (
     make_data_folder,
     open_database,
 )
-from drivora_service.store.server_lock import refuse_while_served
+from drivora_service.store.locks.server_lock import refuse_while_served
 
 
 class CommandDatabase:

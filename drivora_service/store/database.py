@@ -16,37 +16,37 @@ from sqlalchemy.exc import ArgumentError
 from sqlalchemy.orm import Session, sessionmaker
 
 from drivora_service.errors import StoreError, StoreUnavailable
-from drivora_service.store.batches import BatchRepository
-from drivora_service.store.campaign_rows import CampaignRowRepository
-from drivora_service.store.campaign_runs import CampaignRunRepository
-from drivora_service.store.campaign_views import CampaignViewRepository
-from drivora_service.store.campaigns import CampaignRepository
-from drivora_service.store.change_lists import ChangeRepository
-from drivora_service.store.changes import ChangeCounter
-from drivora_service.store.evaluations import EvaluationRepository
-from drivora_service.store.facets import count_changes
-from drivora_service.store.figures import FigureRepository
-from drivora_service.store.file_work_locks import FileWorkLocks
-from drivora_service.store.found_lists import FoundRepository
-from drivora_service.store.group_decisions import DecisionRepository
-from drivora_service.store.group_lists import GroupRepository
-from drivora_service.store.idempotency import IdempotencyRepository
-from drivora_service.store.jobs import JobRepository
+from drivora_service.store.campaigns.campaign_repository import CampaignRepository
+from drivora_service.store.campaigns.campaign_rows import CampaignRowRepository
+from drivora_service.store.campaigns.campaign_runs import CampaignRunRepository
+from drivora_service.store.campaigns.campaign_views import CampaignViewRepository
+from drivora_service.store.campaigns.evaluation_repository import EvaluationRepository
+from drivora_service.store.campaigns.study_repository import StudyRepository
+from drivora_service.store.changes.change_counter import ChangeCounter
+from drivora_service.store.changes.change_lists import ChangeRepository
+from drivora_service.store.changes.revisions import revise
+from drivora_service.store.engine.postgresql import lock_writing, postgresql_engine, reading_options
+from drivora_service.store.engine.sqlite import sqlite_engine
+from drivora_service.store.engine.store_errors import store_errors
+from drivora_service.store.failures.failure_lists import FoundRepository
+from drivora_service.store.failures.group_decisions import DecisionRepository
+from drivora_service.store.failures.group_lists import GroupRepository
+from drivora_service.store.locks.file_work_locks import FileWorkLocks
+from drivora_service.store.locks.postgresql_work_locks import PostgresqlWorkLocks
+from drivora_service.store.locks.work_locks import WorkLocks, refuse_while_used
 from drivora_service.store.migration import migrate
-from drivora_service.store.minimizations import MinimizationRepository
-from drivora_service.store.network_use import NetworkUse, network_use
-from drivora_service.store.postgresql import lock_writing, postgresql_engine, reading_options
-from drivora_service.store.postgresql_work_locks import PostgresqlWorkLocks
-from drivora_service.store.quarantine import QuarantineRepository
-from drivora_service.store.queue import QueueRepository
-from drivora_service.store.results import ResultRepository
-from drivora_service.store.revisions import revise
-from drivora_service.store.sqlite import sqlite_engine
-from drivora_service.store.store_errors import store_errors
-from drivora_service.store.studies import StudyRepository
-from drivora_service.store.suite_runs import SuiteRunRepository
-from drivora_service.store.work_locks import WorkLocks, refuse_while_used
-from drivora_service.store.workers import WorkerRepository
+from drivora_service.store.minimizations.minimization_repository import MinimizationRepository
+from drivora_service.store.queue.idempotent_requests import IdempotencyRepository
+from drivora_service.store.queue.quarantine import QuarantineRepository
+from drivora_service.store.queue.run_queue import QueueRepository
+from drivora_service.store.queue.worker_repository import WorkerRepository
+from drivora_service.store.runs.batch_repository import BatchRepository
+from drivora_service.store.runs.facets import count_changes
+from drivora_service.store.runs.job_repository import JobRepository
+from drivora_service.store.runs.run_results import ResultRepository
+from drivora_service.store.suites.suite_runs import SuiteRunRepository
+from drivora_service.store.upkeep.network_use import NetworkUse, network_use
+from drivora_service.store.upkeep.store_figures import FigureRepository
 
 PATIENCE_S = 30.0
 """Default of the seconds to wait for other writers."""

@@ -21,16 +21,9 @@ from sqlalchemy import (
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, StoreError
-from drivora_service.store import (  # noqa: F401 # their tables
-    campaign_tables,
-    facet_tables,
-    group_tables,
-    minimization_tables,
-    suite_tables,
-)
-from drivora_service.store.postgresql import give_types_of_sqlite, lock_schema
-from drivora_service.store.revisions import new_epoch
-from drivora_service.store.tables import Base, EpochRow
+from drivora_service.store.changes.revisions import new_epoch
+from drivora_service.store.engine.postgresql import give_types_of_sqlite, lock_schema
+from drivora_service.store.runs.run_tables import Base, EpochRow
 
 if TYPE_CHECKING:
     from alembic.config import Config
@@ -139,8 +132,8 @@ def schema_version(engine: Engine) -> str:
 def refuse_other_schema(session: Session) -> None:
     """Refuses to begin long work on a database that was migrated after it was opened.
 
-    For the first transaction after a lock of ``store.work_locks`` was taken: a migration looks for
-    these locks, and a process takes its lock some time after it has opened the database.
+    For the first transaction after a lock of ``store.locks.work_locks`` was taken: a migration
+    looks for these locks, and a process takes its lock some time after it has opened the database.
 
     Raises:
         Conflict: A newer version has migrated it.

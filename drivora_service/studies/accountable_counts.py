@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import TypeVar
 
-from drivora_service.studies.figures import CampaignFigures
+from drivora_service.studies.campaign_figures import CampaignFigures
 
 COLUMNS = (
     "place",

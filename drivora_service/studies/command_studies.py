@@ -9,16 +9,16 @@ from concurrent.futures import Future
 from contextlib import AbstractContextManager, closing
 from dataclasses import dataclass
 
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.conducting import Watcher
-from drivora_service.campaigns.folder import CampaignFolder
-from drivora_service.campaigns.shared_pool import SharedPool
-from drivora_service.campaigns.stored import run_stored
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.evaluation.shared_pool import SharedPool
+from drivora_service.campaigns.records.campaign_folder import CampaignFolder
+from drivora_service.campaigns.records.stored_campaigns import run_stored
+from drivora_service.campaigns.search.conducting import Watcher
 from drivora_service.errors import Conflict, StoreError, WorkersCannotStart
-from drivora_service.store.campaign_records import CampaignRequest
+from drivora_service.store.campaigns.campaign_records import CampaignRequest
 from drivora_service.store.database import Database, Transaction
-from drivora_service.store.work_locks import LongWork
-from drivora_service.studies.storing import NOT_OVER, refuse_if_over
+from drivora_service.store.locks.work_locks import LongWork
+from drivora_service.studies.study_storing import NOT_OVER, refuse_if_over
 
 _LOOK_S = 0.05
 """Seconds between two looks whether another campaign is needed to keep the workers busy."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from drivora_service.campaigns.host import CampaignHost
+from drivora_service.campaigns.hosts.campaign_host import CampaignHost
 from drivora_service.errors import Conflict
-from drivora_service.store.campaign_records import CampaignRequest, CampaignState
+from drivora_service.store.campaigns.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database, Transaction
-from drivora_service.store.work_locks import LongWork
-from drivora_service.studies.storing import NOT_OVER, refuse_if_over
+from drivora_service.store.locks.work_locks import LongWork
+from drivora_service.studies.study_storing import NOT_OVER, refuse_if_over
 
 
 class ServiceStudies:

@@ -2,8 +2,8 @@
 
 A situation is a discrete key of one failure alone. So the number of situations of a campaign
 depends on nothing but its own failures, more failures never make fewer situations, and situations
-of several campaigns can be put together. Groups (``campaigns.grouping``) have none of that: their
-scale is the spread of the failures, and chains of neighbours merge.
+of several campaigns can be put together. Groups (``campaigns.search.failure_grouping``)
+have none of that: their scale is the spread of the failures, and chains of neighbours merge.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ def situation_of(kind: str, verdict: Verdict) -> Situation:
     """Returns the situation of a failure: its kind, and the cells of its place and speeds.
 
     Args:
-        kind: Its kind (``campaigns.failure_kinds``): oracle, junction or road, relation of the
-            other actor to the ego.
+        kind: Its kind (``campaigns.search.failure_kinds``): oracle, junction or road, relation
+            of the other actor to the ego.
         verdict: The violation; what it does not measure tells nothing apart.
     """
     x, y = (None, None) if verdict.location is None else verdict.location

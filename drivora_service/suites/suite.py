@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from drivora_service.scenario.documents import ScenarioDocument
-from drivora_service.suites.counted import Counted
+from drivora_service.suites.gate.counted_failures import Counted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from drivora_service.errors import ConfigurationError
-from drivora_service.suites.baseline import Baseline
-from drivora_service.suites.decision import plural
-from drivora_service.suites.failures import is_judged
-from drivora_service.suites.results import SuiteResults, scenario_hash
-from drivora_service.suites.selection import read_shard
+from drivora_service.suites.gate.baseline import Baseline
+from drivora_service.suites.gate.gate_decision import plural
+from drivora_service.suites.scenario_selection import read_shard
 from drivora_service.suites.suite import Suite
+from drivora_service.suites.suite_failures import is_judged
+from drivora_service.suites.suite_results import SuiteResults, scenario_hash
 
 _DOCUMENTED = "as in the scenarios"
 """The ADS of results without an ADS of their own."""

@@ -31,10 +31,9 @@ from drivora_service.agents.interface import (
 from drivora_service.agents.log import AgentLog
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.networks.routes.routing import RoutePoint, plan_route
 from drivora_service.observations.trace import Col, Light, TerminalEvent, Trace
-from drivora_service.observations.trace_hash import trace_sha256
-from drivora_service.scenario.actor_models import ActorKind, actor_model
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.model import (
     AgentChoice,
     EgoVehicle,
@@ -43,6 +42,7 @@ from drivora_service.scenario.model import (
     Scenario,
     Waypoint,
 )
+from drivora_service.scenario.models.actor_models import ActorKind, actor_model
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.planning import plan_episode
 from drivora_service.worker.integrity import Snapshot

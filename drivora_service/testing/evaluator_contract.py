@@ -21,15 +21,15 @@ from drivora_service.execution.executor import Limits
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.runs.candidate import Candidate, CandidateSource
-from drivora_service.runs.encoding import report_from_json, report_to_json
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.runs.report_encoding import report_from_json, report_to_json
+from drivora_service.runs.run_report import RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.check_warm_up import warm_up_checks
 from drivora_service.scenario.model import Scenario
-from drivora_service.scenario.warm_up import warm_up_checks
-from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.source import source_of
-from drivora_service.worker.preparing import prepare
+from drivora_service.search.space.space_options import SpaceOptions
+from drivora_service.worker.candidate_preparing import prepare
 from drivora_service.worker.setup import WorkerSetup
 
 _LONG_S = 300.0

@@ -21,13 +21,13 @@ from drivora_service.feedback.measurement import Feedback, FeedbackChoice, Measu
 from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
-from drivora_service.runs.encoding import (
+from drivora_service.runs.report_encoding import (
     choice_from_json,
     choice_to_json,
     report_from_json,
     report_to_json,
 )
-from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.runs.run_report import RunReport, RunStatus
 from drivora_service.testing.networks import straight_road
 from drivora_service.testing.oracle_contract import example_runs
 

@@ -12,9 +12,9 @@ from torch import Tensor
 
 from drivora_service.agents.imitation.way_view import SPEED_SCALE
 from drivora_service.agents.imitation.waypoints import INTERVAL, WAYPOINTS
-from drivora_service.geometry.arrays import FloatArray
-from drivora_service.training.exchange import Parts
-from drivora_service.training.recording import Samples
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.training.demonstrations import Samples
+from drivora_service.training.weight_exchange import Parts
 
 _WEIGHT_DECAY = 1e-4
 _SIDE_WEIGHT = 2.0

@@ -29,17 +29,7 @@ from drivora_service.agents.imitation.weights import save_weights
 from drivora_service.agents.plant_lite.network import PlantNetwork, PlantWeights
 from drivora_service.agents.plant_lite.view import PlantView
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.training.courses import plans
-from drivora_service.training.exchange import weights_of
-from drivora_service.training.fitting import (
-    Trainee,
-    errors_at_constant_velocity,
-    errors_of,
-    fit,
-)
-from drivora_service.training.mlp_network import AdMlpTrainee
-from drivora_service.training.plant_network import PlantTrainee
-from drivora_service.training.recording import (
+from drivora_service.training.demonstrations import (
     Jerks,
     Learner,
     PerturbingDriver,
@@ -48,6 +38,16 @@ from drivora_service.training.recording import (
     join,
     record,
 )
+from drivora_service.training.fitting import (
+    Trainee,
+    errors_at_constant_velocity,
+    errors_of,
+    fit,
+)
+from drivora_service.training.mlp_network import AdMlpTrainee
+from drivora_service.training.plant_network import PlantTrainee
+from drivora_service.training.training_courses import plans
+from drivora_service.training.weight_exchange import weights_of
 
 _SEED = 100_000
 """Seed of the first stage's routes; each further stage adds 100,000."""

@@ -8,7 +8,7 @@ from torch import Tensor, nn
 from drivora_service.agents.ad_mlp.network import HIDDEN
 from drivora_service.agents.ad_mlp.view import SEEN_SIZE
 from drivora_service.agents.imitation.waypoints import STEP_SCALE, WAYPOINTS
-from drivora_service.training.exchange import Parts
+from drivora_service.training.weight_exchange import Parts
 
 
 class AdMlpTrainee:

@@ -15,7 +15,7 @@ from drivora_service.agents.plant_lite.network import (
     WIDTH,
 )
 from drivora_service.agents.plant_lite.view import OBJECT_SIZE, OBJECTS, OBJECTS_AT
-from drivora_service.training.exchange import Parts
+from drivora_service.training.weight_exchange import Parts
 
 
 class PlantTrainee:

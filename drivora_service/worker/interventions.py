@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from drivora_service.runs.report import RunSpec
+from drivora_service.runs.run_report import RunSpec
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import Scenario
-from drivora_service.worker.messages import note_of_candidate
-from drivora_service.worker.progress import ProgressBoard
+from drivora_service.worker.progress_board import ProgressBoard
+from drivora_service.worker.worker_messages import note_of_candidate
 
 
 def leave_scenario(board: ProgressBoard | None, spec: RunSpec, scenario: Scenario) -> None:

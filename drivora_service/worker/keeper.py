@@ -31,9 +31,9 @@ from drivora_service.worker.channel import (
     send,
 )
 from drivora_service.worker.loop import WorkerTask, serve
-from drivora_service.worker.messages import Ended, Leftovers, Started, frame_of
 from drivora_service.worker.parent_death import die_with_keeper
-from drivora_service.worker.processes import children_of, read_process
+from drivora_service.worker.process_readings import children_of, read_process
+from drivora_service.worker.worker_messages import Ended, Leftovers, Started, frame_of
 
 _PR_SET_CHILD_SUBREAPER = 36
 _GRACE_S = 3.0

@@ -18,16 +18,16 @@ from dataclasses import dataclass, replace
 from drivora_service.errors import DrivoraError, SimulatorError
 from drivora_service.runs.candidate import Candidate, CandidateSource
 from drivora_service.runs.lifecycle import SIMULATOR_ERROR
-from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
-from drivora_service.simulation.phase import RunPhase
+from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.simulation.run_phase import RunPhase
 from drivora_service.worker.channel import ChannelClosedError, Frame, Kind, receive, send
-from drivora_service.worker.messages import (
+from drivora_service.worker.progress_board import ProgressBoard
+from drivora_service.worker.worker_messages import (
     NotReady,
     frame_of,
     frame_of_report,
     note_of_candidate,
 )
-from drivora_service.worker.progress import ProgressBoard
 
 Perform = Callable[[RunSpec, object, ProgressBoard], RunReport]
 """Performs a run, given the spec, the worker's set-up and the board for its progress."""
@@ -38,10 +38,10 @@ PERFORM = "drivora_service.worker.performing:perform"
 Prepare = Callable[[CandidateSource, object], Candidate]
 """Makes a scenario of genes, given the worker's set-up."""
 
-PREPARE = "drivora_service.worker.preparing:prepare"
+PREPARE = "drivora_service.worker.candidate_preparing:prepare"
 """The function that prepares candidates in production."""
 
-WARM_UP = "drivora_service.worker.warm_up:warm_up"
+WARM_UP = "drivora_service.worker.worker_warm_up:warm_up"
 """The function that prepares a worker for it; called once with the worker's set-up."""
 
 _NICENESS = 5

@@ -29,32 +29,32 @@ from drivora_service.errors import (
     UnknownName,
 )
 from drivora_service.feedback.objectives import score
-from drivora_service.metrics.built_in import measure
+from drivora_service.metrics.built_in_metrics import measure
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
-from drivora_service.observations.trace_hash import egos_sha256, trace_sha256
-from drivora_service.observations.trace_storage import remove_stored, store_trace
+from drivora_service.observations.trace_files.trace_hash import egos_sha256, trace_sha256
+from drivora_service.observations.trace_files.trace_storage import remove_stored, store_trace
 from drivora_service.oracles.built_in import default_oracles, judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
-from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.scenario.overrides import with_overrides
-from drivora_service.simulation.changes import changes_anything
 from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.phase import RunPhase
-from drivora_service.simulation.plan import EpisodePlan
+from drivora_service.simulation.episode_changes import changes_anything
 from drivora_service.simulation.planning import plan_episode
+from drivora_service.simulation.plans.episode_plan import EpisodePlan
+from drivora_service.simulation.run_phase import RunPhase
 from drivora_service.simulation.sumo import SUMO_ERRORS
-from drivora_service.worker.catalogues import agents_of, networks_of, oracles_of
+from drivora_service.worker.candidate_preparing import space_of_candidates
 from drivora_service.worker.integrity import judging_code, sentence
 from drivora_service.worker.interventions import leave_scenario
 from drivora_service.worker.measuring import is_built_in, make_feedback, measure_run
-from drivora_service.worker.preparing import space_of_candidates
-from drivora_service.worker.progress import BOARD_CELLS, ProgressBoard
+from drivora_service.worker.progress_board import BOARD_CELLS, ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
 from drivora_service.worker.without_effect import genes_without_effect
+from drivora_service.worker.worker_catalogues import agents_of, networks_of, oracles_of
 
 _LOG_LINES = 12
 """Number of traceback entries that are kept."""

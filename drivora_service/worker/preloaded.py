@@ -19,12 +19,12 @@ os.close(_nowhere)
 
 # An import that fails here fails again in the worker, where it is reported.
 with contextlib.suppress(Exception):
-    from drivora_service.agents.built_in import import_agents
+    from drivora_service.agents.built_in_agents import import_agents
     from drivora_service.networks.catalogue import shipped_networks
-    from drivora_service.runs.report import RunReport, RunStatus
-    from drivora_service.worker.messages import frame_of_report
+    from drivora_service.runs.run_report import RunReport, RunStatus
     from drivora_service.worker.setup import WorkerSetup
-    from drivora_service.worker.warm_up import warm_up
+    from drivora_service.worker.worker_messages import frame_of_report
+    from drivora_service.worker.worker_warm_up import warm_up
 
     import_agents()
     warm_up(WorkerSetup(shipped_networks=shipped_networks(), installed_oracles=False))

@@ -12,7 +12,7 @@ is found is less than what is true: a gene counts only if that follows from
 
 So chains of vehicles that react to one another are covered. Nothing but absence counts if an agent
 perceives without limits or may read SUMO, or if SUMO drives anything: its vehicles depend on all
-others (see ``simulation.holding``).
+others (see ``simulation.traffic.holding``).
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.observations.trace import Col, Trace
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.space.scenario_space import ScenarioSpace
-from drivora_service.search.space.vehicle_ways import BESIDE, VehicleWay
-from drivora_service.simulation.followers import look_ahead
-from drivora_service.simulation.plan import EpisodePlan, FollowerPlan
-from drivora_service.simulation.planning_npcs import COMFORTABLE_BRAKING_SHARE
+from drivora_service.search.space.vehicles.vehicle_ways import BESIDE, VehicleWay
+from drivora_service.simulation.followers.followers import look_ahead
+from drivora_service.simulation.plans.episode_plan import EpisodePlan, FollowerPlan
+from drivora_service.simulation.plans.planning_npcs import COMFORTABLE_BRAKING_SHARE
 
 _STRIDE_S = 0.5
 """Seconds between the sampled positions."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from drivora_service.adversaries.adversary_situation import Situation, situation_of
 from drivora_service.adversaries.game import Game
-from drivora_service.adversaries.situation import Situation, situation_of
 from drivora_service.agents.interface import Agent
 from drivora_service.runs.adversary import ACTIONS, Action
 from drivora_service.scenario.model import Scenario

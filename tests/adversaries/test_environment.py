@@ -12,7 +12,7 @@ import pytest
 
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.errors import SimulatorError
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.runs.adversary import ACTIONS, Action
 from drivora_service.scenario.model import Scenario, Weather
 from tests.adversaries.games import NUMBER, alone

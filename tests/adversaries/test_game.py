@@ -13,7 +13,7 @@ from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.errors import SearchError, SimulatorError
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.trace import TerminalEvent, Trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.runs.adversary import (
     ACTIONS,
     DECISIONS,

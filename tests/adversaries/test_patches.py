@@ -9,7 +9,7 @@ import pytest
 
 from drivora_service.adversaries.playing import play
 from drivora_service.agents.interface import AccelerationControl
-from drivora_service.observations.conditions import frictions_under, road_frictions
+from drivora_service.observations.recorded_conditions import frictions_under, road_frictions
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
 from drivora_service.oracles.avoidability.assess import assess

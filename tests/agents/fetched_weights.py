@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.agents.built_in import FETCHED
+from drivora_service.agents.built_in_agents import FETCHED
 from drivora_service.agents.package_files import fetch_all
 from drivora_service.errors import AgentError
 

@@ -15,7 +15,7 @@ from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.red_light import RedLight
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.scenario.model import BackgroundTraffic, Scenario
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.scenario.validation import validate_document
 from tests.simulation.episodes import network, run
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.agents.built_in import BUILT_IN, FETCHED
+from drivora_service.agents.built_in_agents import BUILT_IN, FETCHED
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.entry import AgentKind
 from drivora_service.agents.idm.agent import IdmAgent

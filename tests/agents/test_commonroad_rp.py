@@ -11,7 +11,7 @@ import pytest
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.interface import Agent, Observation, PoseControl
 from drivora_service.observations.trace import TerminalEvent, Trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.model import Scenario
 from drivora_service.testing.agent_contract import AgentContract
 from tests.agents.driving import assert_stops_at_red, car_ahead, red_light_ahead

@@ -26,11 +26,11 @@ from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.interface import Agent, AgentContext, Control, Observation
 from drivora_service.agents.log import AgentLog
 from drivora_service.agents.remote.adapter_messages import context_view, observation_view
-from drivora_service.agents.remote.messages import setup_request, step_request
+from drivora_service.agents.remote.remote_messages import setup_request, step_request
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError
 from drivora_service.observations.trace import TerminalEvent, Trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.model import NpcObstacle
 from drivora_service.settings import load_settings
 from drivora_service.testing.agent_contract import AgentContract

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivora_service.agents.built_in import BUILT_IN
+from drivora_service.agents.built_in_agents import BUILT_IN
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.interface import (
@@ -24,7 +24,7 @@ from drivora_service.agents.interface import (
 from drivora_service.agents.plugin import AgentPlugin
 from drivora_service.errors import AgentError
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.runs.run_report import RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.worker import performing
 from drivora_service.worker.setup import WorkerSetup

@@ -13,8 +13,8 @@ from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.idm_mobil.incentive import find_neighbours, incentive
 from drivora_service.agents.idm_mobil.lane_ways import LaneWays, Place, Places
 from drivora_service.agents.sumo_driver import SumoDriver
-from drivora_service.networks.lane_route import LaneRoute
-from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.networks.routes.lane_route import LaneRoute
+from drivora_service.networks.routes.routing import RoutePoint, plan_route
 from drivora_service.observations.trace import Col, EgoCol, TerminalEvent, Trace
 from drivora_service.scenario.model import NpcVehicle, Scenario
 from tests.simulation.episodes import car, ego, network, place, row_of, run, scenario, speeds, track

@@ -15,7 +15,7 @@ from drivora_service.agents.idm.reaction import MOST_TURNING, ReactionDelay, for
 from drivora_service.agents.interface import Observation
 from drivora_service.errors import DrivoraError
 from drivora_service.observations.trace import Light, Trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.model import BackgroundTraffic, Scenario, Waypoint
 from tests.agents.driving import red_light_ahead
 from tests.simulation.episodes import ROAD, car, ego, place, run, scenario, speeds, track, walker

@@ -25,7 +25,7 @@ from drivora_service.agents.plugin import FetchedAgentPlugin, NoParameters
 from drivora_service.errors import AgentError, InvalidDocument
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.trace import TerminalEvent
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.validation import validate_data
 from tests.simulation.episodes import Blind, ego, place, run, scenario
 

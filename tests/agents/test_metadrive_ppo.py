@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from drivora_service.agents.built_in import FETCHED
+from drivora_service.agents.built_in_agents import FETCHED
 from drivora_service.agents.interface import Agent
 from drivora_service.agents.metadrive_ppo.agent import create
 from drivora_service.agents.metadrive_ppo.checkpoints import find_checkpoints
@@ -26,7 +26,7 @@ from drivora_service.agents.metadrive_ppo.policy import OBSERVATION_SIZE, expert
 from drivora_service.agents.metadrive_ppo.weights import FILE_NAME, load_weights
 from drivora_service.agents.route_corridor import find_corridor
 from drivora_service.errors import AgentError
-from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.networks.routes.routing import RoutePoint, plan_route
 from drivora_service.testing.agent_contract import AgentContract
 from tests.agents.driving import assert_stops_at_red, red_light_ahead
 from tests.agents.fetched_weights import fetched_weights

@@ -19,8 +19,8 @@ from drivora_service.agents.pdm_closed.scoring import (
     score,
 )
 from drivora_service.errors import AgentError
-from drivora_service.geometry.arrays import FloatArray
-from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.networks.routes.routing import RoutePoint, plan_route
 from drivora_service.observations.trace import Col, EgoCol, TerminalEvent
 from tests.simulation.episodes import car, ego, network, obstacle, place, run, scenario, track
 

@@ -20,7 +20,7 @@ from drivora_service.agents.plant_lite.network import PlantNetwork, PlantWeights
 from drivora_service.agents.plant_lite.view import OBJECT_SIZE, OBJECTS, OBJECTS_AT, show_others
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.errors import AgentError
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.testing.agent_contract import AgentContract
 from tests.agents.driving import assert_stops_at_red, car_ahead, red_light_ahead
 from tests.simulation.episodes import closest, run

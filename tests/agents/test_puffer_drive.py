@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.special import softmax
 
-from drivora_service.agents.built_in import FETCHED
+from drivora_service.agents.built_in_agents import FETCHED
 from drivora_service.agents.interface import Agent
 from drivora_service.agents.puffer_drive.agent import create
 from drivora_service.agents.puffer_drive.encoding import encode
@@ -27,9 +27,9 @@ from drivora_service.agents.puffer_drive.policy import (
 from drivora_service.agents.puffer_drive.road import EDGE, LANE, LINE, pieces_along, road_pieces
 from drivora_service.agents.puffer_drive.weights import FILE_NAME, load_weights
 from drivora_service.errors import AgentError
-from drivora_service.geometry.arrays import Float32Array
+from drivora_service.geometry.array_shapes import Float32Array
 from drivora_service.networks.drivable_area import outside_distance
-from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.networks.routes.routing import RoutePoint, plan_route
 from drivora_service.testing.agent_contract import AgentContract
 from tests.agents.driving import assert_stops_at_red, red_light_ahead
 from tests.agents.fetched_weights import fetched_weights

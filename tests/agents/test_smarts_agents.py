@@ -46,16 +46,16 @@ from drivora_service.agents.log import AgentLog
 from drivora_service.agents.manifest import read_manifest
 from drivora_service.agents.manifest_files import shipped_manifests
 from drivora_service.agents.remote.adapter_messages import context_view
-from drivora_service.agents.remote.messages import setup_request
+from drivora_service.agents.remote.remote_messages import setup_request
 from drivora_service.agents.remote.views import (
     ContextView,
     LaneView,
     RouteView,
     VehicleView,
 )
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Light, TerminalEvent
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.testing.agent_contract import AgentContract
 from tests.agents.installed_agents import fresh_agent, installed_agents
 from tests.agents.smarts_scenario import smarts_scenario

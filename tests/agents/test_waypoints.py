@@ -13,10 +13,10 @@ from drivora_service.agents.imitation.way_view import EGO_SIZE, PIECE_SIZE, PIEC
 from drivora_service.agents.imitation.waypoints import INTERVAL, WAYPOINTS, drive_waypoints
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.agents.log import AgentLog
-from drivora_service.geometry.arrays import Float32Array
-from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.geometry.array_shapes import Float32Array
+from drivora_service.networks.routes.routing import RoutePoint, plan_route
 from drivora_service.observations.trace import Light
-from drivora_service.scenario.actor_models import ActorKind, actor_model
+from drivora_service.scenario.models.actor_models import ActorKind, actor_model
 from tests.simulation.episodes import CAR, network, place
 
 TIMES = INTERVAL * np.arange(1, WAYPOINTS + 1)

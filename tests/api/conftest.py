@@ -17,19 +17,19 @@ import pytest
 import uvicorn
 from fastapi import FastAPI
 
+from drivora_service.api.answers.network_imports import NetworkImports
 from drivora_service.api.application import create_api
 from drivora_service.api.context import ApiContext, Limits
-from drivora_service.api.examples import SCENARIO
-from drivora_service.api.network_imports import NetworkImports
-from drivora_service.api.sessions import SessionFile
-from drivora_service.api.tokens import TokenFile
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.folder import CampaignFolder
-from drivora_service.campaigns.gene_spaces import GeneSpaces
-from drivora_service.campaigns.requests import hand_over
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.api.guards.api_tokens import TokenFile
+from drivora_service.api.guards.page_sessions import SessionFile
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.stored_gene_spaces import GeneSpaces
+from drivora_service.campaigns.hosts.campaign_requests import hand_over
+from drivora_service.campaigns.records.campaign_folder import CampaignFolder
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.store.database import Database, Transaction, open_database
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.traces.trace_folders import TraceFolder
 from drivora_service.studies.service_studies import ServiceStudies
 
 BODY_LIMIT = 200_000

@@ -21,11 +21,11 @@ from unittest import mock
 import httpx
 import yaml
 
-from drivora_service.api import examples
+from drivora_service.api.documentation import recorded_examples
 from drivora_service.api_paths import PREFIX
-from drivora_service.cli.service_process import running_service
+from drivora_service.cli.application.service_process import running_service
 
-FOLDER = Path(examples.__file__).with_name("recorded")
+FOLDER = Path(recorded_examples.__file__).with_name("recorded")
 _CAMPAIGN_FILE = (
     Path(__file__).parents[2] / "openscenario_schemas/examples/campaigns/late-braking.yaml"
 )
@@ -82,8 +82,10 @@ _CONTAINER = {
     "location": {"x": 3.4, "y": 50.0, "yaw": 91.51},
 }
 _CRASH: dict[str, Any] = {
-    **examples.SCENARIO,
-    "ego_vehicles": [{**examples.SCENARIO["ego_vehicles"][0], "agent": {"name": "scripted"}}],
+    **recorded_examples.SCENARIO,
+    "ego_vehicles": [
+        {**recorded_examples.SCENARIO["ego_vehicles"][0], "agent": {"name": "scripted"}}
+    ],
     "npc_obstacles": [_CONTAINER],
 }
 _CROWDED_CRASH: dict[str, Any] = {
@@ -99,9 +101,10 @@ _CROWDED_CRASH: dict[str, Any] = {
 }
 """The same crash, with things that do not matter for it."""
 LONG: dict[str, Any] = {
-    **examples.SCENARIO,
+    **recorded_examples.SCENARIO,
     "ego_vehicles": [
-        {**ego, "agent": {"name": "pdm-closed"}} for ego in examples.SCENARIO["ego_vehicles"]
+        {**ego, "agent": {"name": "pdm-closed"}}
+        for ego in recorded_examples.SCENARIO["ego_vehicles"]
     ],
     "npc_obstacles": [_CONTAINER],
     "background_traffic": {"count": 150},
@@ -167,112 +170,123 @@ class _Recording:
         workers = self._get("/workers")
         for slot in workers["slots"]:
             slot |= {"host": "workstation", "pid": 4711, "memory_bytes": 213_110_784}
-        self._keep(examples.WORKERS, workers)
-        self._keep(examples.SESSION, self._get("/session"))
-        self._keep(examples.HEALTH, self._get("/healthz"))
-        self._keep(examples.READINESS, self._get("/readyz"), most=_ALL)
-        self._keep(examples.NETWORKS, self._get("/networks"), most=_ALL)
-        self._keep(examples.NETWORK, self._get("/networks/tee-town"))
+        self._keep(recorded_examples.WORKERS, workers)
+        self._keep(recorded_examples.SESSION, self._get("/session"))
+        self._keep(recorded_examples.HEALTH, self._get("/healthz"))
+        self._keep(recorded_examples.READINESS, self._get("/readyz"), most=_ALL)
+        self._keep(recorded_examples.NETWORKS, self._get("/networks"), most=_ALL)
+        self._keep(recorded_examples.NETWORK, self._get("/networks/tee-town"))
         geometry = self._get("/networks/tee-town/geometry")
         for key in ("junctions", "junction_types"):
             geometry[key] = dict(list(geometry[key].items())[:1])
         # The lanes of junctions come first.
         geometry["lanes"].sort(key=lambda lane: lane["internal"])
-        self._keep(examples.GEOMETRY, geometry)
-        self._keep(examples.AGENTS, _named(self._get("/agents"), "idm", "idm-mobil"))
-        self._keep(examples.TESTERS, _named(self._get("/testers"), "avfuzzer"))
-        self._keep(examples.MEASURES, self._get("/metrics:describe"))
-        self._keep(examples.ORACLES, self._get("/oracles"))
-        self._keep(examples.MODELS, self._get("/models"))
+        self._keep(recorded_examples.GEOMETRY, geometry)
+        self._keep(recorded_examples.AGENTS, _named(self._get("/agents"), "idm", "idm-mobil"))
+        self._keep(recorded_examples.TESTERS, _named(self._get("/testers"), "avfuzzer"))
+        self._keep(recorded_examples.MEASURES, self._get("/metrics:describe"))
+        self._keep(recorded_examples.ORACLES, self._get("/oracles"))
+        self._keep(recorded_examples.MODELS, self._get("/models"))
         self._keep(
-            examples.EXAMPLE_SCENARIOS,
+            recorded_examples.EXAMPLE_SCENARIOS,
             _named(self._get("/scenarios:examples"), "church lane"),
             most=_ALL,
         )
-        self._keep(examples.SPACE_PRESETS, self._get("/campaigns:presets"), most=_ALL)
+        self._keep(recorded_examples.SPACE_PRESETS, self._get("/campaigns:presets"), most=_ALL)
 
     def queue(self) -> None:
         """Records jobs, batches and runs, while they wait and when they have ended."""
-        validation = self._post("/scenarios:validate", examples.SCENARIO)
-        self._keep(examples.VALIDATION, validation)
-        self._keep(examples.INSPECTION, self._post("/scenarios:inspect", examples.SCENARIO))
+        validation = self._post("/scenarios:validate", recorded_examples.SCENARIO)
+        self._keep(recorded_examples.VALIDATION, validation)
+        self._keep(
+            recorded_examples.INSPECTION,
+            self._post("/scenarios:inspect", recorded_examples.SCENARIO),
+        )
         with self._busy_worker():
             job = self._post("/jobs?label=crossing-17", _CRASH)
-            self._keep(examples.QUEUED_JOB, job)
-            unknown = {**examples.SCENARIO, "map_region": {"town": "Town99"}}
-            labelled = {"label": "crossing-17", "scenario": examples.SCENARIO}
+            self._keep(recorded_examples.QUEUED_JOB, job)
+            unknown = {**recorded_examples.SCENARIO, "map_region": {"town": "Town99"}}
+            labelled = {"label": "crossing-17", "scenario": recorded_examples.SCENARIO}
             submission = self._post("/batches?name=nightly", [labelled, unknown])
-            self._keep(examples.SUBMISSION, submission)
+            self._keep(recorded_examples.SUBMISSION, submission)
             batch = f"/batches/{submission['batch']['id']}"
-            self._keep(examples.PAUSED_BATCH, self._post(f"{batch}:pause"))
-            self._keep(examples.RESUMED_BATCH, self._post(f"{batch}:resume"))
-            self._keep(examples.CANCELLED_BATCH, self._post(f"{batch}:cancel"))
-            other = self._post("/jobs?label=crossing-18", examples.SCENARIO)
-            self._keep(examples.CANCELLED_JOB, self._post(f"/jobs/{other['id']}:cancel"))
-        batch = (
-            f"/batches/{self._post('/batches?name=nightly', [examples.SCENARIO])['batch']['id']}"
-        )
-        self._keep(examples.BATCH, self._wait(batch, lambda found: found["done"]))
-        self._keep(examples.BATCHES, self._get("/batches?limit=1"))
-        self._keep(examples.EVENTS, self._events(f"of={job['id']}&after=0", 2))
-        self._keep(examples.JOB, self._get(f"/jobs/{job['id']}"))
-        self._keep(examples.JOBS, self._get("/jobs?limit=1&status=cancelled"))
+            self._keep(recorded_examples.PAUSED_BATCH, self._post(f"{batch}:pause"))
+            self._keep(recorded_examples.RESUMED_BATCH, self._post(f"{batch}:resume"))
+            self._keep(recorded_examples.CANCELLED_BATCH, self._post(f"{batch}:cancel"))
+            other = self._post("/jobs?label=crossing-18", recorded_examples.SCENARIO)
+            self._keep(recorded_examples.CANCELLED_JOB, self._post(f"/jobs/{other['id']}:cancel"))
+        posted = self._post("/batches?name=nightly", [recorded_examples.SCENARIO])
+        batch = f"/batches/{posted['batch']['id']}"
+        self._keep(recorded_examples.BATCH, self._wait(batch, lambda found: found["done"]))
+        self._keep(recorded_examples.BATCHES, self._get("/batches?limit=1"))
+        self._keep(recorded_examples.EVENTS, self._events(f"of={job['id']}&after=0", 2))
+        self._keep(recorded_examples.JOB, self._get(f"/jobs/{job['id']}"))
+        self._keep(recorded_examples.JOBS, self._get("/jobs?limit=1&status=cancelled"))
         run = f"/runs/{job['id']}"
-        self._keep(examples.RUN, self._get(run))
-        self._keep(examples.RUNS, self._get("/runs?limit=1&status=finished"))
-        self._keep(examples.RUN_COUNTS, self._get(f"/runs:counts?batch={batch.rpartition('/')[2]}"))
+        self._keep(recorded_examples.RUN, self._get(run))
+        self._keep(recorded_examples.RUNS, self._get("/runs?limit=1&status=finished"))
+        self._keep(
+            recorded_examples.RUN_COUNTS,
+            self._get(f"/runs:counts?batch={batch.rpartition('/')[2]}"),
+        )
         wanted = "column=run_id&column=oracle&column=outcome&column=at_fault&column=message"
         wanted += "&violated=true"
-        self._keep(examples.RESULT_TABLE, self._table(f"/tables/verdicts?{wanted}", 4))
+        self._keep(recorded_examples.RESULT_TABLE, self._table(f"/tables/verdicts?{wanted}", 4))
         picture = self._client.get(f"{PREFIX}{run}/picture").text.splitlines(keepends=True)
-        self._keep(examples.PICTURE, "".join(picture[:_LINES]))
-        self._keep(examples.RUN_SCENARIO, self._get(f"{run}/scenario"))
-        self._keep(examples.FRAME, self._lines(f"{run}/observations", 1))
-        self._keep(examples.PERCEPTION, self._get(f"{run}/perception"))
-        self._keep(examples.SERIES, self._get(f"{run}/series"))
-        self._keep(examples.TIMELINE, self._get(f"{run}/timeline"))
+        self._keep(recorded_examples.PICTURE, "".join(picture[:_LINES]))
+        self._keep(recorded_examples.RUN_SCENARIO, self._get(f"{run}/scenario"))
+        self._keep(recorded_examples.FRAME, self._lines(f"{run}/observations", 1))
+        self._keep(recorded_examples.PERCEPTION, self._get(f"{run}/perception"))
+        self._keep(recorded_examples.SERIES, self._get(f"{run}/series"))
+        self._keep(recorded_examples.TIMELINE, self._get(f"{run}/timeline"))
 
     def campaigns(self) -> None:
         """Records a campaign, what may befall one that waits, and a comparison of methods."""
         self._keep(
-            examples.CAMPAIGN_VALIDATION, self._post("/campaigns:validate", examples.CAMPAIGN)
+            recorded_examples.CAMPAIGN_VALIDATION,
+            self._post("/campaigns:validate", recorded_examples.CAMPAIGN),
         )
         posted = self._post("/campaigns", _searching(name="braking too late", simulations=40))
-        self._keep(examples.QUEUED_CAMPAIGN, posted)
-        other = f"/campaigns/{self._post('/campaigns', examples.CAMPAIGN)['id']}"
-        self._keep(examples.PAUSED_CAMPAIGN, self._post(f"{other}:pause"))
-        self._keep(examples.RESUMED_CAMPAIGN, self._post(f"{other}:resume"))
-        self._keep(examples.CANCELLED_CAMPAIGN, self._post(f"{other}:cancel"))
+        self._keep(recorded_examples.QUEUED_CAMPAIGN, posted)
+        other = f"/campaigns/{self._post('/campaigns', recorded_examples.CAMPAIGN)['id']}"
+        self._keep(recorded_examples.PAUSED_CAMPAIGN, self._post(f"{other}:pause"))
+        self._keep(recorded_examples.RESUMED_CAMPAIGN, self._post(f"{other}:resume"))
+        self._keep(recorded_examples.CANCELLED_CAMPAIGN, self._post(f"{other}:cancel"))
         one = f"/campaigns/{posted['id']}"
-        self._keep(examples.FINISHED_CAMPAIGN, self._finished(one))
-        self._keep(examples.CAMPAIGNS, self._get("/campaigns?limit=1&state=finished"))
-        self._keep(examples.FIGURES, self._get(f"{one}/figures"))
-        self._keep(examples.COVERAGE, self._get(f"{one}/coverage"))
-        self._keep(examples.DISCOVERIES, self._get(f"{one}/discoveries?points=6&kinds=2"))
+        self._keep(recorded_examples.FINISHED_CAMPAIGN, self._finished(one))
+        self._keep(recorded_examples.CAMPAIGNS, self._get("/campaigns?limit=1&state=finished"))
+        self._keep(recorded_examples.FIGURES, self._get(f"{one}/figures"))
+        self._keep(recorded_examples.COVERAGE, self._get(f"{one}/coverage"))
+        self._keep(recorded_examples.DISCOVERIES, self._get(f"{one}/discoveries?points=6&kinds=2"))
         wanted = "column=evaluation&column=kind&column=at_fault&column=time_s&column=sentence"
         table = self._table(f"{one}/tables/failures?{wanted}", 3)
-        self._keep(examples.CAMPAIGN_TABLE, table)
-        self._keep(examples.FAILURES, self._get(f"{one}/failures?limit=1"))
+        self._keep(recorded_examples.CAMPAIGN_TABLE, table)
+        self._keep(recorded_examples.FAILURES, self._get(f"{one}/failures?limit=1"))
         failing = self._get(f"{one}/evaluations?violating=true&order=-number&limit=1")
-        self._keep(examples.EVALUATIONS, failing)
+        self._keep(recorded_examples.EVALUATIONS, failing)
         evaluation = f"{one}/evaluations/{failing['items'][0]['number']}"
-        self._keep(examples.EVALUATION, self._get(evaluation))
-        self._keep(examples.EVALUATION_SCENARIO, self._get(f"{evaluation}/scenario"))
-        self._keep(examples.EVALUATION_FRAME, self._lines(f"{evaluation}/observations", 1))
+        self._keep(recorded_examples.EVALUATION, self._get(evaluation))
+        self._keep(recorded_examples.EVALUATION_SCENARIO, self._get(f"{evaluation}/scenario"))
+        self._keep(recorded_examples.EVALUATION_FRAME, self._lines(f"{evaluation}/observations", 1))
         wanted = "oracle=collision&accountability=avoidable"
         found = self._get(f"/failures?{wanted}&limit=1")
-        self._keep(examples.FOUND_FAILURES, found)
-        self._keep(examples.FOUND_FAILURE, self._get(f"/failures/{found['items'][0]['id']}"))
+        self._keep(recorded_examples.FOUND_FAILURES, found)
+        self._keep(
+            recorded_examples.FOUND_FAILURE, self._get(f"/failures/{found['items'][0]['id']}")
+        )
         groups = self._get("/failures/groups?limit=2")
-        self._keep(examples.FAILURE_GROUPS, groups)
+        self._keep(recorded_examples.FAILURE_GROUPS, groups)
         group = f"/failures/groups/{groups['items'][0]['id']}"
         decision = {"status": "known", "note": "Issue 12.", "assignee": "Ada", "by": "Ada"}
-        self._keep(examples.FAILURE_GROUP, self._post(f"{group}:decide", decision))
-        self._keep(examples.GROUP_CHANGES, self._get(f"{group}/changes"))
-        self._keep(examples.SUITE_RUN, self._post("/suite-runs", examples.SUITE_RUN_REQUEST))
-        self._keep(examples.SUITE_RUNS, self._get("/suite-runs?suite=smoke"))
-        self._keep(examples.SUITES, self._get("/suites"))
-        self._keep(examples.SUITE_HISTORY, self._get("/suites:history?suite=smoke&runs=5"))
+        self._keep(recorded_examples.FAILURE_GROUP, self._post(f"{group}:decide", decision))
+        self._keep(recorded_examples.GROUP_CHANGES, self._get(f"{group}/changes"))
+        self._keep(
+            recorded_examples.SUITE_RUN,
+            self._post("/suite-runs", recorded_examples.SUITE_RUN_REQUEST),
+        )
+        self._keep(recorded_examples.SUITE_RUNS, self._get("/suite-runs?suite=smoke"))
+        self._keep(recorded_examples.SUITES, self._get("/suites"))
+        self._keep(recorded_examples.SUITE_HISTORY, self._get("/suites:history?suite=smoke&runs=5"))
         studied = [
             self._post(
                 "/campaigns",
@@ -284,7 +298,7 @@ class _Recording:
         for campaign in studied:
             self._finished(f"/campaigns/{campaign}")
         wanted = "campaign=study-*&measure=at_fault&measure=kinds"
-        self._keep(examples.COMPARISON, self._get(f"/campaigns:compare?{wanted}"))
+        self._keep(recorded_examples.COMPARISON, self._get(f"/campaigns:compare?{wanted}"))
 
     def studies(self) -> None:
         """Records a study, what may befall one that waits, its comparison and a table of it."""
@@ -300,43 +314,43 @@ class _Recording:
             "oracles": campaign["oracles"],
             "budget": campaign["budget"],
         }
-        self._keep(examples.STUDY_VALIDATION, self._post("/studies:validate", study))
+        self._keep(recorded_examples.STUDY_VALIDATION, self._post("/studies:validate", study))
         # One campaign runs at a time: the study waits for this one.
         first = self._post("/campaigns", _searching(name="first", simulations=100_000))
         other = self._post("/studies", study)
         cancelled = self._post(f"/studies/{other['id']}:cancel")
         posted = self._post("/studies", study)
-        self._keep(examples.QUEUED_STUDY, posted)
+        self._keep(recorded_examples.QUEUED_STUDY, posted)
         one = f"/studies/{posted['id']}"
-        self._keep(examples.PAUSED_STUDY, self._post(f"{one}:pause"))
-        self._keep(examples.RESUMED_STUDY, self._post(f"{one}:resume"))
+        self._keep(recorded_examples.PAUSED_STUDY, self._post(f"{one}:pause"))
+        self._keep(recorded_examples.RESUMED_STUDY, self._post(f"{one}:resume"))
         self._post(f"/campaigns/{first['id']}:cancel")
         self._wait(one, lambda found: found["state"] not in ("queued", "running"))
-        self._keep(examples.FINISHED_STUDY, self._get(one))
-        self._keep(examples.STUDIES, self._get("/studies?limit=1"))
+        self._keep(recorded_examples.FINISHED_STUDY, self._get(one))
+        self._keep(recorded_examples.STUDIES, self._get("/studies?limit=1"))
         comparison = self._get(f"{one}/comparison?measure=failing")
-        self._keep(examples.STUDY_COMPARISON, comparison)
-        self._keep(examples.STUDY_BANDS, self._get(f"{one}/bands?method=random&points=5"))
+        self._keep(recorded_examples.STUDY_COMPARISON, comparison)
+        self._keep(recorded_examples.STUDY_BANDS, self._get(f"{one}/bands?method=random&points=5"))
         table = self._client.get(f"{PREFIX}{one}/tables/campaigns")
         table.raise_for_status()
         lines = table.text.splitlines(keepends=True)[:2]
-        self._keep(examples.STUDY_TABLE, re.sub(r"[0-9.]+\n$", "20.0\n", "".join(lines)))
-        self._keep(examples.CANCELLED_STUDY, cancelled)
+        self._keep(recorded_examples.STUDY_TABLE, re.sub(r"[0-9.]+\n$", "20.0\n", "".join(lines)))
+        self._keep(recorded_examples.CANCELLED_STUDY, cancelled)
 
     def minimizations(self) -> None:
         """Records a minimisation, while it waits and when it has ended, and a cancelled one."""
         run = self._finished_run(_CROWDED_CRASH)
         with self._busy_worker():
             queued = self._post(f"/runs/{run}:minimize", {"oracle": "collision", "budget": 200})
-            self._keep(examples.QUEUED_MINIMIZATION, queued)
+            self._keep(recorded_examples.QUEUED_MINIMIZATION, queued)
             other = self._post(f"/runs/{run}:minimize")
             self._wait(f"/minimizations/{other['id']}", lambda found: bool(found["started_at"]))
             cancelled = self._post(f"/minimizations/{other['id']}:cancel")
-            self._keep(examples.CANCELLED_MINIMIZATION, cancelled)
+            self._keep(recorded_examples.CANCELLED_MINIMIZATION, cancelled)
         one = f"/minimizations/{queued['id']}"
         self._wait(one, lambda found: found["state"] not in ("queued", "running"))
-        self._keep(examples.FINISHED_MINIMIZATION, self._get(one), most=_ALL)
-        self._keep(examples.MINIMIZATIONS, self._get("/minimizations?limit=1"))
+        self._keep(recorded_examples.FINISHED_MINIMIZATION, self._get(one), most=_ALL)
+        self._keep(recorded_examples.MINIMIZATIONS, self._get("/minimizations?limit=1"))
 
     def _finished_run(self, scenario: Mapping[str, Any]) -> str:
         job: str = self._post("/jobs?label=crossing-19", scenario)["id"]
@@ -345,9 +359,9 @@ class _Recording:
 
     def state(self) -> None:
         """Records the figures of the service, and what it says when its traces have gone."""
-        self._keep(examples.METRICS, _steady_metrics(self._client.get("/metrics").text))
+        self._keep(recorded_examples.METRICS, _steady_metrics(self._client.get("/metrics").text))
         # After all else, so that the ids of the other examples stay.
-        self._keep(examples.BATCH_COMPARISON, self._two_batches())
+        self._keep(recorded_examples.BATCH_COMPARISON, self._two_batches())
         traces = self._data / "traces"
         traces.rename(self._data / "gone")
         traces.touch()
@@ -355,11 +369,11 @@ class _Recording:
         while (answer := self._client.get("/readyz")).is_success:
             assert time.monotonic() < until
             time.sleep(0.2)
-        self._keep(examples.NOT_READY, answer.json(), most=_ALL)
+        self._keep(recorded_examples.NOT_READY, answer.json(), most=_ALL)
 
     def _two_batches(self) -> Any:
         """Returns the comparison of two agents on the same scenarios."""
-        scenarios = {"crossing-17": _CRASH, "crossing-18": examples.SCENARIO}
+        scenarios = {"crossing-17": _CRASH, "crossing-18": recorded_examples.SCENARIO}
         items = [{"label": label, "scenario": one} for label, one in scenarios.items()]
         batches = []
         for name, agent in (("nightly", "scripted"), ("candidate", "idm")):
@@ -425,7 +439,7 @@ class _Recording:
         return "".join(answer.text.splitlines(keepends=True)[:lines])
 
     def _keep(self, example: str, answer: object, *, most: int = _MOST_ITEMS) -> None:
-        name = example.removeprefix(examples.RECORDED)
+        name = example.removeprefix(recorded_examples.RECORDED)
         assert name not in self.files
         if isinstance(answer, str):
             self.files[name] = self._steady_text(answer)

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from drivora_service.api.examples import SCENARIO
-from drivora_service.runs.report import RunStatus
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.runs.run_report import RunStatus
 from tests.api.conftest import Offline
-from tests.api.test_problems import is_problem
+from tests.api.test_problem_details import is_problem
 from tests.store.samples import claim, finish, finished, register
 
 COMPARE = "/api/v1/batches:compare"

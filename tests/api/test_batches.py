@@ -7,10 +7,10 @@ from typing import Any
 import httpx
 import pytest
 
-from drivora_service.api.batch_scenarios import read_batch_scenario
+from drivora_service.api.answers.batch_scenarios import read_batch_scenario
 from drivora_service.api.routes import batches
 from tests.api.conftest import MakeOffline, Offline
-from tests.api.test_problems import is_problem
+from tests.api.test_problem_details import is_problem
 
 NDJSON = {"Content-Type": "application/x-ndjson"}
 

@@ -9,15 +9,15 @@ from typing import Any
 import httpx
 import pytest
 
-from drivora_service.api.examples import CAMPAIGN
-from drivora_service.api.tokens import Scope, TokenFile
+from drivora_service.api.documentation.recorded_examples import CAMPAIGN
+from drivora_service.api.guards.api_tokens import Scope, TokenFile
 from drivora_service.search.space.presets import SpacePreset
-from drivora_service.store.campaign_records import CampaignState
-from drivora_service.store.work_locks import LongWork
+from drivora_service.store.campaigns.campaign_records import CampaignState
+from drivora_service.store.locks.work_locks import LongWork
 from tests.api.conftest import MakeOffline, Offline
-from tests.api.test_problems import is_problem
-from tests.api.test_tokens import bearer
-from tests.store.test_campaigns import create
+from tests.api.guards.test_api_tokens import bearer
+from tests.api.test_problem_details import is_problem
+from tests.store.campaigns.test_campaign_repository import create
 
 CAMPAIGNS = "/api/v1/campaigns"
 

@@ -6,17 +6,17 @@ from typing import Any
 
 import pytest
 
-from drivora_service.api.examples import CAMPAIGN
-from drivora_service.campaigns.conducting import conduct
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import read_campaign
-from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.api.documentation.recorded_examples import CAMPAIGN
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.records.store_journal import StoreJournal
+from drivora_service.campaigns.search.conducting import conduct
+from drivora_service.campaigns.search.search_preparation import prepare_search
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
-from drivora_service.store.campaign_records import CampaignState
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
+from drivora_service.store.campaigns.campaign_records import CampaignState
 from tests.api.conftest import Offline
-from tests.api.test_problems import is_problem
+from tests.api.test_problem_details import is_problem
 from tests.campaigns.analytic import Computed
 
 COMPARE = "/api/v1/campaigns:compare"

@@ -8,13 +8,13 @@ import httpx
 import numpy as np
 import pytest
 
-from drivora_service.studies.campaign_coverage import CoverageCounts
-from drivora_service.studies.coverage_memory import CoverageMemory
+from drivora_service.studies.coverage.campaign_coverage import CoverageCounts
+from drivora_service.studies.coverage.coverage_memory import CoverageMemory
 from tests.api.conftest import Offline
 from tests.api.test_campaigns import finished as finished  # a fixture
 from tests.api.test_campaigns import post, small_campaign
 from tests.api.test_discoveries import study as study  # a fixture
-from tests.api.test_problems import is_problem
+from tests.api.test_problem_details import is_problem
 
 Json = dict[str, Any]
 

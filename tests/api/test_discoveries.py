@@ -9,10 +9,10 @@ import httpx
 import numpy as np
 import pytest
 
-from drivora_service.store.campaign_records import CampaignState, Confirmation
+from drivora_service.store.campaigns.campaign_records import CampaignState, Confirmation
 from tests.api.conftest import Offline
 from tests.api.test_campaigns import finished as finished  # a fixture
-from tests.api.test_problems import is_problem
+from tests.api.test_problem_details import is_problem
 from tests.studies.example_study import run_computed, study_content
 
 Json = dict[str, Any]

@@ -18,20 +18,20 @@ import pytest
 from sqlalchemy import event as events_of
 from starlette.types import Message
 
-from drivora_service.api import event_stream
-from drivora_service.api.change_feed import ChangeFeed, feed_of
-from drivora_service.api.event_stream import EventStream, Wanted
-from drivora_service.api.load_guard import MOST_REQUESTS
-from drivora_service.api.tokens import Scope, TokenFile
-from drivora_service.api.worker_view import workers_now
-from drivora_service.store.change_lists import ChangedKind
-from drivora_service.store.records import Priority
-from drivora_service.store.revisions import Position
+from drivora_service.api.answers import event_stream
+from drivora_service.api.answers.change_feed import ChangeFeed, feed_of
+from drivora_service.api.answers.event_stream import EventStream, Wanted
+from drivora_service.api.answers.worker_view import workers_now
+from drivora_service.api.guards.api_tokens import Scope, TokenFile
+from drivora_service.api.guards.load_guard import MOST_REQUESTS
+from drivora_service.store.changes.change_lists import ChangedKind
+from drivora_service.store.changes.revisions import Position
+from drivora_service.store.runs.run_records import Priority
 from tests.api.conftest import MakeOffline, Offline
-from tests.api.test_problems import is_problem
-from tests.api.test_tokens import bearer
+from tests.api.guards.test_api_tokens import bearer
+from tests.api.test_problem_details import is_problem
+from tests.store.campaigns.test_campaign_repository import create
 from tests.store.samples import claim, finish, finished, new_run, register, submit
-from tests.store.test_campaigns import create
 
 EVENTS = "/api/v1/events"
 CHANGES = "kind=run&kind=batch&kind=campaign&kind=study"

@@ -9,10 +9,10 @@ from typing import Any
 import httpx
 import pytest
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from tests.api.conftest import Offline, wait_until_final
 from tests.api.test_campaigns import finished as finished  # a fixture
-from tests.api.test_problems import is_problem
+from tests.api.test_problem_details import is_problem
 
 Json = dict[str, Any]
 FAILURES = "/api/v1/failures"

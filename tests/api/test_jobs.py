@@ -5,7 +5,7 @@ from typing import Any
 import httpx
 import pytest
 
-from drivora_service.api.examples import CAMPAIGN
+from drivora_service.api.documentation.recorded_examples import CAMPAIGN
 from tests.api.conftest import Offline, wait_until_final
 from tests.store.samples import new_run
 

@@ -8,12 +8,12 @@ from typing import Any
 import httpx
 import pytest
 
-from drivora_service.api.examples import SCENARIO
-from drivora_service.api.tokens import Scope, TokenFile
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.api.guards.api_tokens import Scope, TokenFile
 from drivora_service.client import Client
-from drivora_service.store.change_lists import ChangedKind
+from drivora_service.store.changes.change_lists import ChangedKind
 from tests.api.conftest import MakeOffline, Offline, wait_until_final
-from tests.api.test_tokens import bearer
+from tests.api.guards.test_api_tokens import bearer
 from tests.store.samples import claim, finish, finished, register
 from tests.suites.minimization.crowded_crash import ONLY_NEEDED, crowded_crash
 

@@ -24,14 +24,14 @@ import httpx
 import psutil
 import pytest
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.networks.catalogue import shipped_networks
-from tests.api.test_connections import answer
-from tests.api.test_network_imports import ENDLESS, NETWORKS, detail, post
+from tests.api.answers.test_network_imports import ENDLESS, NETWORKS, detail, post
+from tests.api.guards.test_client_connections import answer
 from tests.forked_service import killed_service
 from tests.networks.broken_sources import SOURCES, opendrive, road
-from tests.networks.test_confined_import import many_lanes, processes_in
-from tests.networks.test_importing import OSM
+from tests.networks.importing.test_confined_import import many_lanes, processes_in
+from tests.networks.importing.test_network_importing import OSM
 
 TEE = (shipped_networks() / "tee-town" / "tee-town.net.xml").read_text()
 LIMIT = 64 << 20

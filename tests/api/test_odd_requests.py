@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from drivora_service.store.paging import make_token
+from drivora_service.store.engine.paging import make_token
 from tests.api.conftest import Offline
 
 JSON = {"Content-Type": "application/json"}

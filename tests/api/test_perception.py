@@ -13,12 +13,12 @@ import pytest
 
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.validation import validate_data
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.planning import plan_episode
 from tests.api.conftest import wait_until_final
-from tests.simulation.test_perceived import Witness
+from tests.simulation.perception.test_perceived_again import Witness
 
 ARROW = {"Accept": "application/vnd.apache.arrow.stream"}
 COLUMNS = ("x", "y", "yaw", "vx", "vy")

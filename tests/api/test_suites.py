@@ -8,9 +8,9 @@ from typing import Any
 import httpx
 import pytest
 
-from drivora_service.api.examples import SUITE_RUN_REQUEST
+from drivora_service.api.documentation.recorded_examples import SUITE_RUN_REQUEST
 from tests.api.conftest import Offline
-from tests.api.test_problems import is_problem
+from tests.api.test_problem_details import is_problem
 
 Json = dict[str, Any]
 

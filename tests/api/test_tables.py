@@ -13,10 +13,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from drivora_service.studies import table_forms
+from drivora_service.studies.tables import table_forms
 from tests.api.conftest import Offline
 from tests.api.test_campaigns import finished as finished  # a fixture
-from tests.api.test_problems import is_problem
+from tests.api.test_problem_details import is_problem
 
 Json = dict[str, Any]
 PARQUET = "application/vnd.apache.parquet"

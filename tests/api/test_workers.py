@@ -13,8 +13,8 @@ from typing import Any
 
 import httpx
 
-from drivora_service.cli.service_process import running_service
-from drivora_service.store.records import Priority
+from drivora_service.cli.application.service_process import running_service
+from drivora_service.store.runs.run_records import Priority
 from tests.api.conftest import Offline
 from tests.api.record_examples import LONG
 from tests.store.samples import claim, finish, finished, register, submit

@@ -8,8 +8,8 @@ from typing import Any
 from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.benchmarking.card import BenchmarkRun
 from drivora_service.oracles.verdict import Answer, Outcome, Verdict
-from drivora_service.runs.report import RunFailure, RunStatus
-from drivora_service.store.records import RunRecord
+from drivora_service.runs.run_report import RunFailure, RunStatus
+from drivora_service.store.runs.run_records import RunRecord
 
 AGENT = AgentEntry(
     name="made-up",

@@ -7,7 +7,7 @@ import pytest
 from drivora_service.benchmarking.card import card_of, figures_of, worst_run
 from drivora_service.benchmarking.card_text import COLUMNS, cells
 from drivora_service.oracles.verdict import Answer
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.run_report import RunStatus
 from tests.benchmarking.made_up_runs import AGENT, failed, finished, violation
 
 RUNS = (

@@ -7,7 +7,7 @@ from pathlib import Path
 from drivora_service.benchmarking.card import card_of
 from drivora_service.benchmarking.card_files import write_cards
 from drivora_service.benchmarking.card_text import card_markdown
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.run_report import RunStatus
 from tests.benchmarking.made_up_runs import AGENT, failed, finished, violation
 
 ABSENT = replace(AGENT, name="far-away", installed=False, reason="run `drivora agents install x`")

@@ -9,9 +9,9 @@ import pytest
 
 from benchmarks.method_campaigns import BUDGET, TELLING, generated_campaign, telling_campaign
 from benchmarks.methods import METHODS
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import read_campaign
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.search.search_preparation import prepare_search
 
 
 def test_every_method_has_both() -> None:

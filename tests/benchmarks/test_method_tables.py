@@ -15,14 +15,14 @@ from benchmarks.method_tables import (
     read,
 )
 from benchmarks.methods import METHODS
-from drivora_service.studies.comparison import compare_campaigns, measure
-from drivora_service.studies.study_comparison import (
+from drivora_service.studies.comparison.campaign_measures import compare_campaigns, measure
+from drivora_service.studies.comparison.study_comparison import (
     By,
     OverviewRow,
     StudyComparison,
     StudyFigures,
 )
-from drivora_service.studies.study_comparison_files import write_study_comparison
+from drivora_service.studies.comparison.study_comparison_files import write_study_comparison
 
 
 def figures(method: str, avoidable: int, *, seed: int, laws: float | None = None) -> StudyFigures:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 
 from benchmarks.methods import METHODS, installed_methods
-from drivora_service.campaigns.catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 
 
 def test_all_testers_are_known(catalogues: Catalogues) -> None:

@@ -11,11 +11,11 @@ import pytest
 
 from benchmarks.methods import METHODS, installed_methods
 from benchmarks.reference_scene import with_driven_paths
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import read_campaign
-from drivora_service.cli.study_files import read_study_file
-from drivora_service.studies.reading import read_study
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.search.search_preparation import prepare_search
+from drivora_service.cli.studies.study_files import read_study_file
+from drivora_service.studies.study_reading import read_study
 
 
 def installed(file: Path, wanted: Sequence[str] = METHODS) -> dict[str, Any]:

@@ -9,22 +9,22 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from drivora_service.campaigns.engine import Engine, Search, Told
 from drivora_service.campaigns.evaluator import Answer
-from drivora_service.campaigns.journal import Journal
-from drivora_service.campaigns.turns import SearchPart
+from drivora_service.campaigns.records.journal import Journal
+from drivora_service.campaigns.search.engine import Engine, Search, Told
+from drivora_service.campaigns.search.seed_turns import SearchPart
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.runs.candidate import Candidate, CandidateSource, Reference, SpaceSource
-from drivora_service.runs.encoding import report_from_json, report_to_json
-from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.runs.report_encoding import report_from_json, report_to_json
+from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.tester import Evaluation, Proposal, Tester
-from drivora_service.store.campaign_records import CampaignRequest, EvaluationRecord
+from drivora_service.store.campaigns.campaign_records import CampaignRequest, EvaluationRecord
 from drivora_service.testing.gene_spaces import small_space
-from drivora_service.worker.preparing import prepare
+from drivora_service.worker.candidate_preparing import prepare
 from drivora_service.worker.setup import WorkerSetup
 
 NO_REQUEST = CampaignRequest.NONE

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.store.database import Database, open_database
 
 

@@ -8,17 +8,17 @@ from typing import Any
 
 import pytest
 
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.reading import read_campaign
-from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.records.store_journal import StoreJournal
 from drivora_service.errors import InvalidDocument
 from drivora_service.runs.adversary import EXTENSION
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.search.testers.deepcollision import tester as module
-from drivora_service.store.campaign_records import CampaignState, Confirmation
+from drivora_service.store.campaigns.campaign_records import CampaignState, Confirmation
 from drivora_service.store.database import Database
 from tests.campaigns.analytic import sequence
-from tests.campaigns.test_stored import Campaigns, after
+from tests.campaigns.records.test_stored_campaigns import Campaigns, after
 
 
 @pytest.fixture
@@ -77,7 +77,7 @@ def test_workers_kills_and_checkpoints_do_not_change_a_campaign(
 def test_without_the_extra_a_campaign_is_refused_and_the_extra_named(
     adversarial: dict[str, Any], catalogues: Catalogues, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from drivora_service.campaigns.preparing import prepare_search
+    from drivora_service.campaigns.search.search_preparation import prepare_search
 
     monkeypatch.setattr(module, "find_spec", lambda _name: None)
     valid = read_campaign(adversarial, catalogues)

@@ -9,17 +9,17 @@ from typing import Any
 
 import pytest
 
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.confirming import confirm_failures
-from drivora_service.campaigns.engine import Engine, Told
-from drivora_service.campaigns.journal import MemoryJournal
-from drivora_service.campaigns.local_evaluator import LocalEvaluator
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import ValidCampaign, read_campaign
-from drivora_service.cli.campaign_files import read_campaign_file, shipped_campaigns
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import ValidCampaign, read_campaign
+from drivora_service.campaigns.evaluation.local_evaluator import LocalEvaluator
+from drivora_service.campaigns.records.journal import MemoryJournal
+from drivora_service.campaigns.search.confirmation import confirm_failures
+from drivora_service.campaigns.search.engine import Engine, Told
+from drivora_service.campaigns.search.search_preparation import prepare_search
+from drivora_service.cli.campaigns.campaign_files import read_campaign_file, shipped_campaigns
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.store.campaign_records import CampaignRequest, Confirmation
+from drivora_service.store.campaigns.campaign_records import CampaignRequest, Confirmation
 from drivora_service.worker.setup import WorkerSetup
 
 CAMPAIGNS = sorted(shipped_campaigns().glob("*.yaml"))

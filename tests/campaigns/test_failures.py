@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from sklearn.cluster import DBSCAN
 
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.failure_kinds import FailureKinds, junction_of
-from drivora_service.campaigns.grouping import Grouping, scale, situation_features
-from drivora_service.oracles.failure_facts import relation
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.search.failure_grouping import Grouping, scale, situation_features
+from drivora_service.campaigns.search.failure_kinds import FailureKinds, junction_of
 from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.verdicts.failure_facts import relation
 
 
 def violation(

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from drivora_service.campaigns.grouping import chains_of_few, chains_of_many, scale
+from drivora_service.campaigns.search.failure_grouping import chains_of_few, chains_of_many, scale
 
 
 @pytest.mark.parametrize("on_a_grid", [True, False])
@@ -37,7 +37,7 @@ def test_a_chain_is_numbered_by_its_first_point() -> None:
 def test_few_failures_are_grouped_without_scipy() -> None:
     program = (
         "import sys, numpy as np\n"
-        "from drivora_service.campaigns.grouping import Grouping\n"
+        "from drivora_service.campaigns.search.failure_grouping import Grouping\n"
         "groups = Grouping()._label(np.array([[0.0, 0.0], [0.1, 0.0], [5.0, 5.0]]))\n"
         "print(groups.tolist(), 'scipy' in sys.modules)"
     )

@@ -8,18 +8,18 @@ from dataclasses import replace
 import pytest
 from sqlalchemy import make_url
 
-from drivora_service.campaigns.confirming import confirm_failures, group_failures
-from drivora_service.campaigns.journal import Journal, MemoryJournal
-from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.campaigns.records.journal import Journal, MemoryJournal
+from drivora_service.campaigns.records.store_journal import StoreJournal
+from drivora_service.campaigns.search.confirmation import confirm_failures, group_failures
 from drivora_service.errors import Conflict
-from drivora_service.store.campaign_records import (
+from drivora_service.store.campaigns.campaign_records import (
     CampaignRequest,
     Confirmation,
     EvaluationRecord,
     NewCampaign,
 )
 from drivora_service.store.database import Database, open_database
-from drivora_service.store.work_locks import LongWork
+from drivora_service.store.locks.work_locks import LongWork
 from tests.campaigns.analytic import Computed, run, sequence
 from tests.postgresql_server import PostgresqlServer
 

@@ -7,15 +7,15 @@ from typing import Any
 
 import pytest
 
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.records.store_journal import StoreJournal
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.model import Scenario
 from drivora_service.search.tester import EvaluationStatus
-from drivora_service.store.campaign_records import CampaignState, EvaluationRecord
+from drivora_service.store.campaigns.campaign_records import CampaignState, EvaluationRecord
 from drivora_service.store.database import Database
 from tests.campaigns.analytic import sequence
-from tests.campaigns.test_stored import Campaigns
+from tests.campaigns.records.test_stored_campaigns import Campaigns
 
 METHODS = ("decictor", "drivefuzz", "lawbreaker", "samota", "behavexplor")
 SPACE = {

@@ -10,16 +10,16 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.campaigns.queue_evaluator import QueueEvaluator
+from drivora_service.campaigns.evaluation.queue_evaluator import QueueEvaluator
 from drivora_service.errors import Conflict
 from drivora_service.runs.adversary import AdversarySource
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.candidate import Candidate, CandidateSource, SpaceSource
-from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.store.database import Database
-from drivora_service.store.records import RunSummary
-from drivora_service.store.trace_places import TracePlaces
-from tests.campaigns.test_queue_evaluator import again, campaign
+from drivora_service.store.runs.run_records import RunSummary
+from drivora_service.store.traces.trace_places import TracePlaces
+from tests.campaigns.evaluation.test_queue_evaluator import again, campaign
 from tests.store.samples import crashed, ended, finish, finished, lost, no_trace, register
 
 SOURCE = CandidateSource(

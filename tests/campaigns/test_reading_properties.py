@@ -9,10 +9,10 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivora_service.campaigns.campaign import DEFAULT_ORACLES, FeedbackMode
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.documents import campaign_text
-from drivora_service.campaigns.reading import ValidCampaign, read_campaign
+from drivora_service.campaigns.document.campaign import DEFAULT_ORACLES, FeedbackMode
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_documents import campaign_text
+from drivora_service.campaigns.document.campaign_reading import ValidCampaign, read_campaign
 from drivora_service.errors import InvalidDocument
 from tests.fuzzing.harness import check_refusal
 from tests.scenario.conftest import GOOD

@@ -7,10 +7,10 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from drivora_service.campaigns.journal import MemoryJournal
+from drivora_service.campaigns.records.journal import MemoryJournal
 from drivora_service.errors import CampaignError
 from drivora_service.search.tester import Evaluation, EvaluationStatus, Proposal
-from drivora_service.store.campaign_records import EvaluationRecord
+from drivora_service.store.campaigns.campaign_records import EvaluationRecord
 from drivora_service.testing.gene_spaces import small_space
 from tests.campaigns.analytic import Climber, Computed, Values, climber, part_of, run, sequence
 

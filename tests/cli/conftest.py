@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from tests.command_process import begin
 
 _TIME_LIMIT_S = 120.0

@@ -14,9 +14,9 @@ from typing import Any
 import httpx
 import pytest
 
-from drivora_service.api.examples import SCENARIO
-from drivora_service.observations.trace_file import read_trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.observations.trace_files.trace_file import read_trace
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from tests.cli.conftest import Drivora
 
 CAMPAIGN = """

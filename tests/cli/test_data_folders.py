@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.store.server_lock import ServerLock
+from drivora_service.store.locks.server_lock import ServerLock
 from tests.cli.conftest import Drivora
 
 REVISION = Path(__file__).parents[1] / "store" / "data" / "revision_0008.sql"

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from drivora_service.cli.campaign_files import shipped_campaigns
+from drivora_service.cli.campaigns.campaign_files import shipped_campaigns
 from drivora_service.search.space.presets import PRESETS
 from tests.campaigns.analytic import sequence
+from tests.cli.campaigns.test_campaign_commands import begin_campaign, evaluations, wait_until_told
 from tests.cli.conftest import Drivora
-from tests.cli.test_campaign import begin_campaign, evaluations, wait_until_told
 
 SIMULATIONS = 24
 

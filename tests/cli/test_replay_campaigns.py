@@ -9,10 +9,10 @@ from typing import Any
 import pyarrow.parquet as pq
 import pytest
 
-from drivora_service.api.examples import SCENARIO
-from drivora_service.cli.service_process import running_service
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.cli.application.service_process import running_service
 from tests.cli.conftest import Drivora
-from tests.cli.test_replay import assert_as_pandas_finds_it, install_agents
+from tests.cli.runs.test_replay_command import assert_as_pandas_finds_it, install_agents
 
 METHODS = ("random", "avfuzzer")
 AGENTS = ("idm", "sumo-krauss")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.cli.suite_files import shipped_suites
+from drivora_service.cli.suites.suite_files import shipped_suites
 from tests.cli.conftest import Drivora
 
 pytestmark = pytest.mark.slow

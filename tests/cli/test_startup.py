@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 
 UNUSED = ("libsumo", "llvmlite", "matplotlib", "numba", "pyarrow", "pymoo", "scipy", "sklearn")
 """Packages that neither reading a document nor most methods of search need."""

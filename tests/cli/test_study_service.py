@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.api.examples import SCENARIO
-from drivora_service.campaigns.store_journal import StoreJournal
-from drivora_service.store.campaign_records import EvaluationRecord
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.campaigns.records.store_journal import StoreJournal
+from drivora_service.store.campaigns.campaign_records import EvaluationRecord
 from drivora_service.store.database import Database, open_database
 from tests.campaigns.analytic import sequence
 from tests.cli.conftest import Drivora

@@ -15,7 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from drivora_service.api.examples import CAMPAIGN, SCENARIO
+from drivora_service.api.documentation.recorded_examples import CAMPAIGN, SCENARIO
 from drivora_service.api.schemas.batches import Batch, ItemResult
 from drivora_service.api.schemas.campaigns import Campaign
 from drivora_service.api.schemas.runs import Run
@@ -29,18 +29,18 @@ from drivora_service.errors import (
     StoreError,
 )
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.networks.source_formats import SourceFormat
-from drivora_service.runs.report import RunStatus
+from drivora_service.networks.importing.source_formats import SourceFormat
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.search.tester import EvaluationStatus
-from drivora_service.store.campaign_records import (
+from drivora_service.store.campaigns.campaign_records import (
     CampaignState,
     EvaluationFilter,
     FailureFilter,
 )
-from drivora_service.store.found_records import FoundFilter
-from drivora_service.store.records import BatchState, JobFilter, Priority
+from drivora_service.store.failures.failure_records import FoundFilter
+from drivora_service.store.runs.run_records import BatchState, JobFilter, Priority
 from drivora_service.studies.table_names import CampaignTableName, ResultTableName, TableForm
-from drivora_service.suites.counted import Counted
+from drivora_service.suites.gate.counted_failures import Counted
 
 
 def broken(scenario: dict[str, Any]) -> dict[str, Any]:

@@ -13,14 +13,14 @@ import httpx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivora_service.api.examples import FINISHED_CAMPAIGN, read_recorded
+from drivora_service.api.documentation.recorded_examples import FINISHED_CAMPAIGN, read_recorded
 from drivora_service.api.schemas.batches import Batch
 from drivora_service.api.schemas.campaigns import Campaign
 from drivora_service.client.connecting import ignore_retry
 from drivora_service.client.flows import Emit, Listen, Receive, Request, Sleep, Terms
 from drivora_service.client.following import batch_runs, followed_campaign
 from drivora_service.client.replies import Reply, Service
-from drivora_service.store.campaign_records import CampaignState
+from drivora_service.store.campaigns.campaign_records import CampaignState
 from tests.client.examples import BATCH, JOB
 
 TERMS = Terms(

@@ -60,5 +60,5 @@ def test_the_types_of_answers_load_neither_the_database_nor_compiled_kernels() -
         "jobs.jobs(); jobs.job('1'); runs.run('1'); catalogues.agents(); catalogues.readiness()"
     )
     modules = loaded(program)
-    assert "drivora_service.store.records" in modules
+    assert "drivora_service.store.runs.run_records" in modules
     assert [n for n in ("sqlalchemy", "numba", "scipy", "sklearn", "fastapi") if n in modules] == []

@@ -12,8 +12,8 @@ from drivora_service.client import Client
 from drivora_service.client.listening import EventReader
 from drivora_service.client.replies import Service
 from drivora_service.errors import NotFound, ServiceError
-from drivora_service.store.change_lists import ChangedKind
-from drivora_service.store.records import JobFilter
+from drivora_service.store.changes.change_lists import ChangedKind
+from drivora_service.store.runs.run_records import JobFilter
 
 SERVICE = Service(url="http://service", is_local=False)
 STREAM = (

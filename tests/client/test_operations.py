@@ -11,12 +11,12 @@ from typing import Any, assert_type
 import httpx
 import pytest
 
-from drivora_service.api.examples import SUITE_RUN_REQUEST
+from drivora_service.api.documentation.recorded_examples import SUITE_RUN_REQUEST
 from drivora_service.api.schemas.service import Health
 from drivora_service.api.schemas.suites import SuiteRunRequest
 from drivora_service.client import AsyncClient, Call, Client, Listing
 from drivora_service.client.operations import Answered, Listed, Operations, Saved, Told
-from drivora_service.store.records import RunSummary
+from drivora_service.store.runs.run_records import RunSummary
 from tests.client.scripted_server import ok, scripted
 
 _SUITE_RUN = SuiteRunRequest.model_validate(SUITE_RUN_REQUEST)

@@ -11,7 +11,7 @@ import pytest
 import yaml
 from prometheus_client.parser import text_string_to_metric_families
 
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.run_report import RunStatus
 
 _OF_PROMETHEUS = {"up"}
 """Series that Prometheus makes itself."""

@@ -12,7 +12,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from drivora_service.cli.campaign_files import shipped_campaigns
+from drivora_service.cli.campaigns.campaign_files import shipped_campaigns
 from tests.campaigns.test_example_campaigns import DISCOVERIES
 from tests.docs.page_pictures import draw_page_pictures
 from tests.docs.rewrite import rewrite

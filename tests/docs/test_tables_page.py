@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.studies.result_columns import COLUMNS, result_schema
 from drivora_service.studies.table_names import ResultTableName
+from drivora_service.studies.tables.result_table_columns import COLUMNS, result_schema
 
 _PAGE = (Path(__file__).resolve().parents[2] / "docs" / "reference" / "tables.md").read_text()
 

@@ -14,8 +14,8 @@ import pytest
 
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.trace import EgoCol, Light, Role, TerminalEvent
-from drivora_service.observations.trace_file import SCHEMA_VERSION
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.observations.trace_files.trace_file import SCHEMA_VERSION
+from drivora_service.runs.run_report import RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.validation import validate_data
 from drivora_service.worker.performing import perform

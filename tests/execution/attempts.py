@@ -6,7 +6,7 @@ import time
 
 from drivora_service.execution.executor import Executor, Limits
 from drivora_service.runs.attempt import AttemptEnd
-from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
 
 TASKS = "tests.execution.worker_tasks:perform"
 LIMITS = Limits(agent_deadline_s=0.8, wall_time_s=20.0, memory_bytes=600 << 20)

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from drivora_service.execution.ownership import Ownership
 from drivora_service.runs.lifecycle import RetryPolicy
-from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import Database
+from drivora_service.store.locks.command_locks import CommandLocks
 
 
 def server(database: Database, data_dir: Path) -> Ownership:

@@ -9,11 +9,11 @@ from pathlib import Path
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.infrastructure import Infrastructure
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.database import Database, open_database
-from drivora_service.store.records import JobFilter
-from drivora_service.store.server_lock import ServerLock
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.locks.server_lock import ServerLock
+from drivora_service.store.runs.run_records import JobFilter
+from drivora_service.store.traces.trace_folders import TraceFolder
 from tests.execution.owners import server
 
 

@@ -14,10 +14,10 @@ from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.candidate import CandidateSource
-from drivora_service.runs.report import RunSpec, RunStatus
-from drivora_service.search.space.candidates import ScenarioCandidates
-from drivora_service.search.space.options import SpaceOptions
-from drivora_service.simulation.free_motion import planned_motions
+from drivora_service.runs.run_report import RunSpec, RunStatus
+from drivora_service.search.space.space_candidates import ScenarioCandidates
+from drivora_service.search.space.space_options import SpaceOptions
+from drivora_service.simulation.followers.free_motion import planned_motions
 from drivora_service.worker.setup import WorkerSetup
 from tests.search.space.seeds import NETWORKS, drawn, space_around
 

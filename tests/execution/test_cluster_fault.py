@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from drivora_service.execution.ray.cluster_fault import ClusterFault
-from drivora_service.execution.ray.messages import Members
+from drivora_service.execution.ray.ray_messages import Members
 
 
 def test_a_cluster_without_nodes_is_a_fault_after_a_while() -> None:

@@ -25,11 +25,11 @@ from drivora_service.execution.infrastructure import Infrastructure, folder_prob
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.supervised import Backoff
 from drivora_service.runs.lifecycle import RetryPolicy
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.database import Database, open_database
-from drivora_service.store.records import JobFilter, NewRun, Priority
-from drivora_service.store.traces import TraceFolder
-from drivora_service.store.verification import verify
+from drivora_service.store.runs.run_records import JobFilter, NewRun, Priority
+from drivora_service.store.traces.trace_folders import TraceFolder
+from drivora_service.store.upkeep.store_verification import verify
 from tests.execution.owners import server
 
 TASKS = "tests.execution.worker_tasks:perform"

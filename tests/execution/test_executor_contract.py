@@ -19,9 +19,9 @@ import pytest
 
 from drivora_service.execution.executor import Executor, Limits
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.ray.executor import RayExecutor
-from drivora_service.execution.running import run_all
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.execution.ray.ray_executor import RayExecutor
+from drivora_service.execution.spec_running import run_all
+from drivora_service.runs.run_report import RunSpec, RunStatus
 from tests.execution.attempts import (
     LIMITS,
     TASKS,

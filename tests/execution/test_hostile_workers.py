@@ -20,7 +20,7 @@ import pytest
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.runs.attempt import AttemptEnd
-from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.worker import channel
 
 LIMITS = Limits(agent_deadline_s=2.0, wall_time_s=60.0, memory_bytes=600 << 20)

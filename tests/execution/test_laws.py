@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.running import run_all
+from drivora_service.execution.spec_running import run_all
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.laws.library import LawLibrary
 from drivora_service.oracles.laws.sources import LawSource, law_sources
 from drivora_service.oracles.verdict import Outcome
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.scenario.validation import validate_document
 from drivora_service.settings import Settings
 from drivora_service.worker.performing import perform

@@ -11,7 +11,7 @@ import pytest
 
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.run_report import RunStatus
 from tests.execution.attempts import LIMITS, TASKS, assert_usable, run
 
 Start = Callable[..., LocalExecutor]

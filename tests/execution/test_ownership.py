@@ -10,11 +10,11 @@ import pytest
 
 from drivora_service.execution.ownership import HEARTBEAT_TIMEOUT_S, LOCK_TIMEOUT_S, Ownership
 from drivora_service.runs.lifecycle import RetryPolicy
-from drivora_service.runs.report import RunStatus
-from drivora_service.store.command_locks import CommandLocks
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.database import Database, open_database
-from drivora_service.store.records import NewRun, Priority
-from drivora_service.store.tables import OwnerRow
+from drivora_service.store.locks.command_locks import CommandLocks
+from drivora_service.store.runs.run_records import NewRun, Priority
+from drivora_service.store.runs.run_tables import OwnerRow
 from tests.execution.owners import command, server
 from tests.postgresql_server import PostgresqlServer
 from tests.store.samples import new_run, no_trace

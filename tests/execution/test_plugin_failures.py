@@ -12,12 +12,12 @@ import pytest
 
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.running import run_all
+from drivora_service.execution.spec_running import run_all
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.scenario.validation import validate_document
 from drivora_service.worker.setup import WorkerSetup
 from tests.execution.foreign_plugins import NAP_S

@@ -14,24 +14,24 @@ import httpx
 import psutil
 import pytest
 
-from drivora_service.api.examples import SCENARIO
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.conducting import conduct
-from drivora_service.campaigns.journal import MemoryJournal
-from drivora_service.campaigns.local_evaluator import LocalEvaluator
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import read_campaign
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.evaluation.local_evaluator import LocalEvaluator
+from drivora_service.campaigns.records.journal import MemoryJournal
+from drivora_service.campaigns.search.conducting import conduct
+from drivora_service.campaigns.search.search_preparation import prepare_search
 from drivora_service.errors import WorkersCannotStart
 from drivora_service.execution.executor import Executor
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.ray.executor import RayExecutor
-from drivora_service.execution.running import run_all
+from drivora_service.execution.ray.ray_executor import RayExecutor
+from drivora_service.execution.spec_running import run_all
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.scenario.validation import validate_document
-from drivora_service.store.campaign_records import EvaluationRecord
+from drivora_service.store.campaigns.campaign_records import EvaluationRecord
 from drivora_service.worker.setup import WorkerSetup
 from tests.campaigns.analytic import sequence
 from tests.execution.attempts import LIMITS, TASKS, failure_of, pid_of, run, wait_for

@@ -6,10 +6,10 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from drivora_service.execution.ray.messages import News
 from drivora_service.execution.ray.placement import Placement
+from drivora_service.execution.ray.ray_messages import News
 from drivora_service.runs.attempt import AttemptEnd
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 
 
 def placed(placement: Placement) -> dict[str, list[str]]:

@@ -18,9 +18,9 @@ from pathlib import Path
 import psutil
 import pytest
 
-from drivora_service.execution.ray.executor import RayExecutor
 from drivora_service.execution.ray.preconditions import explain
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.execution.ray.ray_executor import RayExecutor
+from drivora_service.runs.run_report import RunSpec, RunStatus
 from tests.execution.attempts import LIMITS, TASKS, pid_of, run, wait_for
 from tests.execution.ray_cluster import kill_node, supervised_node, until
 
@@ -33,7 +33,7 @@ _TOKEN = {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": "5e1f" * 16}
 _FAULT = """
 import sys, time
 from pathlib import Path
-from drivora_service.execution.ray.executor import RayExecutor
+from drivora_service.execution.ray.ray_executor import RayExecutor
 with RayExecutor(address=sys.argv[1], setup="", folder=Path(sys.argv[2])) as executor:
     while not (fault := executor.fault):
         time.sleep(0.05)

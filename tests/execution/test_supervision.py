@@ -16,7 +16,7 @@ import pytest
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.runs.attempt import AttemptEnd
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.runs.run_report import RunSpec, RunStatus
 
 TASKS = "tests.execution.worker_tasks:perform"
 PR_SET_CHILD_SUBREAPER = 36

@@ -2,10 +2,10 @@ from __future__ import annotations
 
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.watch import Breach, Sample, Watch
-from drivora_service.runs.report import RunStatus
-from drivora_service.simulation.phase import SETTING_UP, RunPhase
-from drivora_service.worker.processes import ProcessReading
-from drivora_service.worker.progress import Progress
+from drivora_service.runs.run_report import RunStatus
+from drivora_service.simulation.run_phase import SETTING_UP, RunPhase
+from drivora_service.worker.process_readings import ProcessReading
+from drivora_service.worker.progress_board import Progress
 
 LIMITS = Limits(wall_time_s=100.0, agent_deadline_s=5.0, memory_bytes=1000)
 

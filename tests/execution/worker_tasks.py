@@ -16,9 +16,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from drivora_service.errors import SimulatorError
-from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
-from drivora_service.simulation.phase import RunPhase
-from drivora_service.worker.progress import ProgressBoard
+from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.simulation.run_phase import RunPhase
+from drivora_service.worker.progress_board import ProgressBoard
 
 
 def perform_candidate(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:

@@ -9,7 +9,7 @@ from typing import Any
 
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.scenario.documents import document_text
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 
 GOOD = "steady"
 """The agent of good runs: drives as ``idm`` does, and takes some tenths of a second for it."""

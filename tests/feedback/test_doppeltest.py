@@ -16,7 +16,7 @@ from drivora_service.feedback.doppeltest import DOPPELTEST
 from drivora_service.feedback.ego_decisions import Decision
 from drivora_service.feedback.ego_distance import least_ego_distance
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.proximity import gaps_between
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Col, Light, Role, TerminalEvent

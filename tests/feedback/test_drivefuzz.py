@@ -12,7 +12,7 @@ import pytest
 from drivora_service.agents.interface import AccelerationControl
 from drivora_service.feedback.drivefuzz import QUALITY, TERMS, DrivefuzzFeedback
 from drivora_service.feedback.driving_frames import driving_frames, wheel_angles
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import EgoCol, Trace
 from drivora_service.scenario.model import FrictionPatch, VehicleDynamics

@@ -10,7 +10,7 @@ from drivora_service.feedback.catalogue import FeedbackCatalogue
 from drivora_service.feedback.lawbreaker import LawbreakerFeedback, law_of, objectives_of
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.observations.run_view import RunView
-from drivora_service.oracles.laws.judging import LawOracle
+from drivora_service.oracles.laws.law_judging import LawOracle
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.testing.oracle_contract import example_runs
 from drivora_service.testing.traces import Motion, SyntheticEgo, make_trace

@@ -16,7 +16,7 @@ from drivora_service.feedback.windows import (
     motion_signals,
     window_statistics,
 )
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.run_view import EgoView
 from drivora_service.testing.networks import straight_road
 from drivora_service.testing.traces import Motion, SyntheticEgo, make_trace

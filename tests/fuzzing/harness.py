@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from drivora_service.errors import DrivoraError, InvalidDocument
+from drivora_service.scenario.document_problems import tokens
 from drivora_service.scenario.plain_data import pointer
-from drivora_service.scenario.problems import tokens
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

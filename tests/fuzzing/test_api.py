@@ -16,8 +16,8 @@ from pathlib import Path
 import httpx
 import pytest
 
-from drivora_service.api.examples import CAMPAIGN, SCENARIO
-from drivora_service.api.tokens import Scope, TokenFile
+from drivora_service.api.documentation.recorded_examples import CAMPAIGN, SCENARIO
+from drivora_service.api.guards.api_tokens import Scope, TokenFile
 from tests.forked_service import forked_service
 
 pytestmark = pytest.mark.slow(seconds=30)

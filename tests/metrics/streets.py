@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drivora_service.metrics.built_in import measure
+from drivora_service.metrics.built_in_metrics import measure
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import Contact, TerminalEvent, Trace
 from drivora_service.oracles.built_in import default_oracles, judge_all

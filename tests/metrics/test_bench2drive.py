@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.metrics.comfort import comfort
 from drivora_service.metrics.judgement import Judgement
 from drivora_service.metrics.success import success

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from tests.networks.test_importing import OSM
+from tests.networks.importing.test_network_importing import OSM
 
 GEOMETRY = '<geometry s="0" x="{x}" y="{y}" hdg="0" length="{length}"><line/></geometry>'
 _LANE = (

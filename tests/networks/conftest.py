@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.networks.loading import load_network
+from drivora_service.networks.network_loading import load_network
 from drivora_service.networks.road_network import RoadNetwork
 
 LOOP = """<?xml version="1.0" encoding="UTF-8"?>

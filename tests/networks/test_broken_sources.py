@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from drivora_service.errors import NetworkError
-from drivora_service.networks import netconvert
 from drivora_service.networks.catalogue import NetworkCatalogue
-from drivora_service.networks.importing import import_network
+from drivora_service.networks.importing import netconvert
+from drivora_service.networks.importing.network_importing import import_network
 from tests.networks.broken_sources import SOURCES, opendrive, road
 
 MAX_SECONDS = 20.0

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivora_service.compilation import load_compiler
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks import few_places, projection
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.segment_index import segment_index

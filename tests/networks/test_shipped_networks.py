@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 from shapely import LineString, STRtree
 
-from drivora_service.networks.loading import load_network
+from drivora_service.networks.network_loading import load_network
 from drivora_service.networks.provenance import read_provenance
 from drivora_service.networks.road_network import RoadNetwork
 

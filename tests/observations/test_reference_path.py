@@ -24,8 +24,8 @@ from drivora_service.observations.reference_path import (
 )
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import PoseCol, Trace
-from drivora_service.observations.trace_file import read_trace, write_trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_file import read_trace, write_trace
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.testing.networks import straight_road
 from drivora_service.testing.traces import Motion, SyntheticEgo, make_trace
 

@@ -13,10 +13,10 @@ from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
 from drivora_service.oracles.built_in import default_oracles, judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
-from drivora_service.oracles.installed import InstalledOracle
+from drivora_service.oracles.installed_oracles import InstalledOracle
 from drivora_service.oracles.laws.library import LawLibrary
 from drivora_service.oracles.verdict import Oracle, Outcome, Verdict
-from drivora_service.oracles.verdict_json import plain_verdict
+from drivora_service.oracles.verdicts.verdict_json import plain_verdict
 from drivora_service.testing.oracle_contract import OracleContract
 from drivora_service.testing.traces import Motion, make_trace
 from tests.oracles.foreign_oracles import MOODS, Moody, TopSpeed

@@ -18,10 +18,10 @@ from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.observations.reference_path import recorded_path
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Col, Role, TerminalEvent, Trace
-from drivora_service.oracles.accountability import Accountability, accountability
 from drivora_service.oracles.built_in import default_oracles, judge_all
 from drivora_service.oracles.non_optimal_decision import NonOptimalDecision
 from drivora_service.oracles.verdict import Outcome, Severity, Verdict
+from drivora_service.oracles.verdicts.accountability import Accountability, accountability
 from drivora_service.scenario.model import (
     AgentChoice,
     EgoVehicle,

@@ -13,15 +13,15 @@ from matplotlib.image import imread
 
 from drivora_service.plotting import colors
 from drivora_service.plotting.charts import looks_of
-from drivora_service.plotting.discoveries import (
+from drivora_service.plotting.discovery_chart import (
     Discoveries,
     Repetition,
     counts_after,
     draw_first,
     draw_found,
 )
-from drivora_service.plotting.effects import EffectRow, Values, draw_effects, draw_values
-from drivora_service.plotting.survival import (
+from drivora_service.plotting.effect_chart import EffectRow, Values, draw_effects, draw_values
+from drivora_service.plotting.survival_chart import (
     MOST_LINES,
     SurvivalLine,
     SurvivalPanel,

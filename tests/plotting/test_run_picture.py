@@ -10,12 +10,12 @@ from matplotlib.image import imread
 
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.observations.conditions import PATCHES_KEY
+from drivora_service.observations.recorded_conditions import PATCHES_KEY
 from drivora_service.observations.trace import Role, Trace
 from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.oracles.violation_marks import marks_of
+from drivora_service.oracles.verdicts.violation_marks import marks_of
+from drivora_service.plotting.picture_view import view_of_run
 from drivora_service.plotting.run_picture import draw_run
-from drivora_service.plotting.view import view_of_run
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
 
 STEPS = 200

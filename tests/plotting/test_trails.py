@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 
 from drivora_service.observations.trace import Col, Role, Trace
 from drivora_service.plotting.picture_file import add_map, picture_file
+from drivora_service.plotting.picture_view import view_of_run
 from drivora_service.plotting.strip import fitted_title
 from drivora_service.plotting.trails import broken_trail, draw_trails, entries
-from drivora_service.plotting.view import view_of_run
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
 
 STEPS = 60

@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.running import run_all
+from drivora_service.execution.spec_running import run_all
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.verdict import Outcome
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.validation import validate_data
 from drivora_service.worker.setup import WorkerSetup

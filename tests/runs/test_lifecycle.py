@@ -8,7 +8,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 
 from drivora_service.runs import lifecycle
 from drivora_service.runs.lifecycle import RetryPolicy, RunState, Transition
-from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
 
 OWN_ENDS = (
     RunStatus.FINISHED,

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from drivora_service.agents.catalogue import AgentCatalogue
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.errors import InvalidDocument
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.scenario.agent_parameters import (

@@ -13,7 +13,7 @@ import shapely
 from drivora_service.errors import InvalidDocument
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.networks.routes.routing import RoutePoint, plan_route
 from drivora_service.scenario.inspection import InspectedActor, Inspection, inspect_data
 from tests.scenario.places import on_lane
 

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from drivora_service.scenario import plain_data
-from drivora_service.scenario.actor_models import ActorKind, model_names
-from drivora_service.scenario.schema import document_schema
+from drivora_service.scenario.models.actor_models import ActorKind, model_names
+from drivora_service.scenario.scenario_schema import document_schema
 
 SECTIONS = {
     "ScenarioDocument": "The document",

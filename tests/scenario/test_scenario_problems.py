@@ -18,16 +18,16 @@ from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario import model
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.conversion import to_scenario
+from drivora_service.scenario.document_problems import structural_problems
 from drivora_service.scenario.documents import ScenarioDocument, parse_document
 from drivora_service.scenario.exporting import document_content, to_document
 from drivora_service.scenario.model import Scenario
-from drivora_service.scenario.problems import structural_problems
 from drivora_service.scenario.validation import (
     scenario_problems,
     validate_data,
     validate_document,
 )
-from drivora_service.search.space.options import SpaceOptions
+from drivora_service.search.space.space_options import SpaceOptions
 from tests.scenario.broken_scenarios import (
     CHANGES,
     HARMLESS,
@@ -41,8 +41,8 @@ from tests.scenario.broken_scenarios import (
     with_value,
     with_walker,
 )
+from tests.scenario.checks.test_agent_checks import Drivers
 from tests.scenario.strategies import documents
-from tests.scenario.test_agent_checks import Drivers
 from tests.search.space.seeds import NETWORKS, SHIPPED, seed_scenario, space_around
 
 OPTIONS = (

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.search.components import Components
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.plugin import TesterPlugin

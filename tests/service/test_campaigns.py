@@ -15,18 +15,18 @@ import httpx
 import psutil
 import pytest
 
-from drivora_service.api.examples import SCENARIO
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.conducting import conduct
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.evaluation.local_evaluator import LOCAL
 from drivora_service.campaigns.evaluator import EvaluatorContext
-from drivora_service.campaigns.journal import MemoryJournal
-from drivora_service.campaigns.local_evaluator import LOCAL
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import read_campaign
-from drivora_service.campaigns.store_journal import StoreJournal
+from drivora_service.campaigns.records.journal import MemoryJournal
+from drivora_service.campaigns.records.store_journal import StoreJournal
+from drivora_service.campaigns.search.conducting import conduct
+from drivora_service.campaigns.search.search_preparation import prepare_search
 from drivora_service.execution.executor import Limits
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.store.campaign_records import EvaluationRecord
+from drivora_service.store.campaigns.campaign_records import EvaluationRecord
 from drivora_service.store.database import open_database
 from drivora_service.worker.setup import WorkerSetup
 from tests.campaign_engines import engine_pid

@@ -11,11 +11,11 @@ from pathlib import Path
 import httpx
 import pytest
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.api.schemas.events import Begin, Changes
 from drivora_service.client import Client, Event
-from drivora_service.runs.report import RunStatus
-from drivora_service.store.change_lists import ChangedKind
+from drivora_service.runs.run_report import RunStatus
+from drivora_service.store.changes.change_lists import ChangedKind
 from drivora_service.store.database import open_database
 from tests.forked_service import killed_service
 

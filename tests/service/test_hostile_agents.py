@@ -13,10 +13,10 @@ import httpx
 import psutil
 import pytest
 
-from drivora_service.cli.service_process import running_service
+from drivora_service.cli.application.service_process import running_service
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.scenario.documents import document_text
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 
 EXPECTED = {
     "commander": ("agent_failed", "worker_protocol"),

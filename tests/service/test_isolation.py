@@ -13,11 +13,11 @@ import httpx
 import psutil
 import pytest
 
-from drivora_service.cli.service_process import running_service
+from drivora_service.cli.application.service_process import running_service
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.networks.importing import import_network
+from drivora_service.networks.importing.network_importing import import_network
 from drivora_service.scenario.documents import ScenarioDocument, document_text
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 
 ROGUES = {11: "crasher", 23: "spinner", 37: "eater"}
 

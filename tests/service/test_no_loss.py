@@ -12,9 +12,9 @@ import httpx
 import pytest
 
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.scenario.documents import document_text
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.store.database import open_database
 from tests.forked_service import forked_service, killed_service
 

@@ -15,15 +15,15 @@ import httpx
 import pytest
 from sqlalchemy import make_url
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.scenario.documents import document_text
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.store.database import open_database
 from drivora_service.store.migration import newest_revision
-from drivora_service.store.traces import TraceFolder
-from drivora_service.store.verification import verify
+from drivora_service.store.traces.trace_folders import TraceFolder
+from drivora_service.store.upkeep.store_verification import verify
 from tests.command_process import begin
 from tests.forked_service import forked_service, killed_service
 from tests.postgresql_server import PostgresqlServer

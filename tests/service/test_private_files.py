@@ -13,8 +13,8 @@ from pathlib import Path
 import httpx
 import pytest
 
-from drivora_service.api.examples import SCENARIO
-from drivora_service.cli.service_process import running_service
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.cli.application.service_process import running_service
 from tests.api.test_campaigns import small_campaign
 
 PREFIX = "/api/v1"

@@ -14,12 +14,12 @@ import psutil
 import pytest
 
 from benchmarks.several_servers import Plan, measure
-from drivora_service.api.examples import SCENARIO
-from drivora_service.observations.trace_file import read_trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.observations.trace_files.trace_file import read_trace
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.store.database import open_database
-from drivora_service.store.traces import TraceFolder
-from drivora_service.store.verification import verify
+from drivora_service.store.traces.trace_folders import TraceFolder
+from drivora_service.store.upkeep.store_verification import verify
 from tests.faults import processes
 from tests.forked_service import begin_service, forked_service, wait_until_ready
 from tests.postgresql_server import PostgresqlServer

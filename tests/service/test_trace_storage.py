@@ -14,7 +14,7 @@ import httpx
 import pyarrow.parquet as pq
 import pytest
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from tests.command_process import begin
 from tests.forked_service import forked_service
 from tests.object_storage import BUCKET, object_storage

@@ -10,7 +10,7 @@ import pytest
 
 from drivora_service.agents.interface import AccelerationControl
 from drivora_service.observations.trace import TerminalEvent
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.model import BackgroundTraffic, Scenario, Weather
 from drivora_service.simulation.episode import Episode
 from tests.simulation.episodes import (

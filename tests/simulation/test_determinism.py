@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import (
     BackgroundTraffic,
@@ -32,7 +32,7 @@ from tests.simulation.episodes import (
 
 IN_A_NEW_PROCESS = """
 import sys
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.canonical import from_canonical
 from tests.simulation.episodes import run
 print(trace_sha256(run(from_canonical(sys.stdin.read()))))

@@ -15,10 +15,15 @@ from numpy.typing import NDArray
 from drivora_service.agents.interface import AccelerationControl
 from drivora_service.observations.ground import NO_PATCHES
 from drivora_service.observations.trace import Col
-from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
 from drivora_service.scenario.model import VehicleDynamics, Weather
-from drivora_service.simulation.arrays import vehicle_limits
-from drivora_service.simulation.dynamics import GRAVITY, Body, CommandMode, drive_vehicles
+from drivora_service.scenario.models.actor_models import ActorKind, ActorModel, actor_model
+from drivora_service.simulation.motion.vehicle_dynamics import (
+    GRAVITY,
+    Body,
+    CommandMode,
+    drive_vehicles,
+)
+from drivora_service.simulation.plans.plan_arrays import vehicle_limits
 from tests.simulation.episodes import Scripted, accelerating, ego, place, run, scenario
 
 CAR = actor_model(ActorKind.VEHICLE, "vehicle.lincoln.mkz_2017")

@@ -13,7 +13,7 @@ from drivora_service.agents.interface import AgentContext, Observation, PoseCont
 from drivora_service.errors import AgentError
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Col, EgoCol, Light, TerminalEvent
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.oracles.blocked import Blocked
 from drivora_service.oracles.destination import Destination
 from drivora_service.oracles.route_deviation import RouteDeviation

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from drivora_service.agents.interface import AccelerationControl
 from drivora_service.networks.projection import nearest_lane_position
-from drivora_service.observations.conditions import PATCHES_KEY
 from drivora_service.observations.ground import patch_array
+from drivora_service.observations.recorded_conditions import PATCHES_KEY
 from drivora_service.observations.trace import Col
 from drivora_service.scenario.model import (
     BackgroundTraffic,
@@ -23,8 +23,8 @@ from drivora_service.scenario.model import (
     Waypoint,
     Weather,
 )
-from drivora_service.simulation.dynamics import GRAVITY, Body, CommandMode
-from drivora_service.simulation.planning_npcs import plan_npc
+from drivora_service.simulation.motion.vehicle_dynamics import GRAVITY, Body, CommandMode
+from drivora_service.simulation.plans.planning_npcs import plan_npc
 from tests.simulation.episodes import (
     ROAD,
     Scripted,
@@ -43,7 +43,7 @@ from tests.simulation.episodes import (
     track,
     travelled,
 )
-from tests.simulation.test_dynamics import drive as command_car
+from tests.simulation.motion.test_vehicle_dynamics import drive as command_car
 from tests.simulation.test_dynamics_displacement import CAR, STEPS, move, pulls
 
 ICE = 0.2

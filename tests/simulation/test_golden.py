@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from drivora_service.observations.trace import Col, Trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.model import Scenario, VehicleDynamics, Weather
 from tests.simulation.episodes import car, ego, place, run, scenario, walker
 

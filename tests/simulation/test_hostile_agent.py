@@ -11,7 +11,7 @@ import pytest
 from drivora_service.agents.idm.agent import IdmAgent
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Control, Observation
 from drivora_service.agents.log import AgentLog
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.model import BackgroundTraffic, Scenario, Weather
 from tests.simulation.episodes import car, ego, place, run, scenario, walker
 

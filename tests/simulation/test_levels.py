@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drivora_service.agents.idm.agent import IdmAgent
-from drivora_service.networks.loading import load_network
+from drivora_service.networks.network_loading import load_network
 from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.observations.trace import LEVEL_GAP, Col
 from drivora_service.scenario.model import MapRegion, Scenario, Waypoint

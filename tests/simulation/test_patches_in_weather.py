@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drivora_service.agents.interface import AccelerationControl
-from drivora_service.observations.conditions import frictions_under
+from drivora_service.observations.recorded_conditions import frictions_under
 from drivora_service.observations.trace import Col, Trace
 from drivora_service.scenario.model import (
     FrictionPatch,
@@ -21,7 +21,7 @@ from drivora_service.scenario.model import (
     WeatherChange,
 )
 from drivora_service.scenario.weather import weather_effects
-from drivora_service.simulation.planning_npcs import plan_npc
+from drivora_service.simulation.plans.planning_npcs import plan_npc
 from tests.simulation.episodes import (
     ROAD,
     Scripted,

@@ -13,7 +13,7 @@ from drivora_service.agents.interface import (
 )
 from drivora_service.agents.log import MOST_PLAN_POINTS, AgentLog
 from drivora_service.observations.trace import Col, Trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.scenario.model import AgentChoice, EgoVehicle
 from tests.simulation.episodes import CAR, ROAD, place, run, scenario
 

@@ -16,7 +16,7 @@ from contextlib import closing
 from pathlib import Path
 
 from drivora_service.store.database import Database, open_database
-from drivora_service.store.records import Priority
+from drivora_service.store.runs.run_records import Priority
 from tests.store.samples import claim, crashed, finish, finished, lost, new_run, register, submit
 
 
@@ -49,14 +49,17 @@ def fill(database: Database) -> None:
         transaction.idempotency.reserve("key", "f" * 64)
         transaction.idempotency.complete("key", singles[0])
     claim(database, owner, 2)
-    if importlib.util.find_spec("drivora_service.store.evaluations") is not None:
+    if (
+        importlib.util.find_spec("drivora_service.store.campaigns.evaluation_repository")
+        is not None
+    ):
         _fill_campaigns(database)
 
 
 def _fill_campaigns(database: Database) -> None:
     from drivora_service.search.tester import EvaluationStatus
-    from drivora_service.store.campaign_records import CampaignState, Confirmation
-    from tests.store.test_campaigns import append, create, evaluation
+    from drivora_service.store.campaigns.campaign_records import CampaignState, Confirmation
+    from tests.store.campaigns.test_campaign_repository import append, create, evaluation
 
     campaign_id, _ = create(database), create(database, "waiting")
     with database.write() as transaction:

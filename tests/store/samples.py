@@ -11,15 +11,15 @@ from datetime import UTC, datetime
 import pytest
 from sqlalchemy import event
 
-from drivora_service.oracles.accountability import Accountability
-from drivora_service.oracles.failure_identity import FailureIdentity
 from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
+from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.failure_identity import FailureIdentity
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
-from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
 from drivora_service.store.database import Database
-from drivora_service.store.minimization_records import NewMinimization
-from drivora_service.store.records import NewRun, Priority
+from drivora_service.store.minimizations.minimization_records import NewMinimization
+from drivora_service.store.runs.run_records import NewRun, Priority
 
 POLICY = RetryPolicy()
 

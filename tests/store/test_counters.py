@@ -19,15 +19,15 @@ from hypothesis.stateful import (
 )
 from sqlalchemy import text
 
-from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Answer, Outcome, Severity
+from drivora_service.oracles.verdicts.accountability import Accountability
 from drivora_service.runs.attempt import AttemptEnd
-from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
 from drivora_service.store.database import Database, open_database
-from drivora_service.store.pruning import prune
-from drivora_service.store.records import BatchState, JobFilter, Priority, RunSummary
-from drivora_service.store.traces import TraceFolder
-from drivora_service.store.verification import verify
+from drivora_service.store.runs.run_records import BatchState, JobFilter, Priority, RunSummary
+from drivora_service.store.traces.trace_folders import TraceFolder
+from drivora_service.store.upkeep.pruning import prune
+from drivora_service.store.upkeep.store_verification import verify
 from tests.postgresql_server import PostgresqlServer
 from tests.store.samples import (
     POLICY,

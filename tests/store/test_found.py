@@ -15,19 +15,20 @@ import pytest
 from sqlalchemy import select, text, update
 
 from drivora_service.errors import InvalidDocument, UnknownName
-from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Answer, Severity
-from drivora_service.store.campaign_records import Confirmation, NewCampaign
-from drivora_service.store.campaign_tables import CampaignRow
+from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.store.campaigns.campaign_records import Confirmation, NewCampaign
+from drivora_service.store.campaigns.campaign_tables import CampaignRow
 from drivora_service.store.database import Database
-from drivora_service.store.endings import reset_run
-from drivora_service.store.found_records import FoundFailure, FoundFilter
-from drivora_service.store.found_tables import FoundRow
-from drivora_service.store.group_records import GroupFilter, group_id
-from drivora_service.store.pruning import prune
-from drivora_service.store.records import Priority
-from drivora_service.store.tables import RunRow
-from drivora_service.store.traces import TraceFolder
+from drivora_service.store.failures.failure_records import FoundFailure, FoundFilter
+from drivora_service.store.failures.failure_tables import FoundRow
+from drivora_service.store.failures.group_records import GroupFilter, group_id
+from drivora_service.store.queue.endings import reset_run
+from drivora_service.store.runs.run_records import Priority
+from drivora_service.store.runs.run_tables import RunRow
+from drivora_service.store.traces.trace_folders import TraceFolder
+from drivora_service.store.upkeep.pruning import prune
+from tests.store.campaigns.test_campaign_repository import append, create, evaluation
 from tests.store.make_revision_data import fill
 from tests.store.samples import (
     claim,
@@ -38,7 +39,6 @@ from tests.store.samples import (
     register,
     slow_on_postgresql,
 )
-from tests.store.test_campaigns import append, create, evaluation
 from tests.store.test_query_plans import plan, queries
 
 BEGIN = datetime(2026, 3, 1, tzinfo=UTC)

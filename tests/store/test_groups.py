@@ -10,11 +10,11 @@ import pytest
 from sqlalchemy import select, update
 
 from drivora_service.errors import Conflict, InvalidDocument, UnknownName
-from drivora_service.store.campaign_records import NewCampaign
+from drivora_service.store.campaigns.campaign_records import NewCampaign
 from drivora_service.store.database import Database, Transaction
-from drivora_service.store.found_records import FoundFailure, FoundFilter
-from drivora_service.store.found_tables import FoundRow
-from drivora_service.store.group_records import (
+from drivora_service.store.failures.failure_records import FoundFailure, FoundFilter
+from drivora_service.store.failures.failure_tables import FoundRow
+from drivora_service.store.failures.group_records import (
     ChangedPart,
     FailureGroup,
     GroupFilter,
@@ -23,9 +23,9 @@ from drivora_service.store.group_records import (
     SinceBaseline,
     group_id,
 )
-from drivora_service.store.records import Priority
+from drivora_service.store.runs.run_records import Priority
+from tests.store.campaigns.test_campaign_repository import append, create, evaluation
 from tests.store.samples import claim, finish, finished, new_run, only_sqlite, register
-from tests.store.test_campaigns import append, create, evaluation
 from tests.store.test_query_plans import plan, queries
 
 T = TypeVar("T")

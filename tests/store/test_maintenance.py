@@ -11,13 +11,13 @@ import pytest
 from sqlalchemy import text
 
 from drivora_service.errors import Conflict, StoreError
-from drivora_service.store.backup import DATABASE_NAME, back_up
 from drivora_service.store.database import Database, open_database
-from drivora_service.store.pruning import prune
-from drivora_service.store.records import Priority
-from drivora_service.store.server_lock import ServerLock
-from drivora_service.store.traces import TraceFolder, run_ids
-from drivora_service.store.verification import verify
+from drivora_service.store.locks.server_lock import ServerLock
+from drivora_service.store.runs.run_records import Priority
+from drivora_service.store.traces.trace_folders import TraceFolder, run_ids
+from drivora_service.store.upkeep.backup import DATABASE_NAME, back_up
+from drivora_service.store.upkeep.pruning import prune
+from drivora_service.store.upkeep.store_verification import verify
 from tests.store.samples import claim, finish, finished, new_run, only_sqlite, register, submit
 
 

@@ -13,14 +13,14 @@ from sqlalchemy import create_engine, text
 from drivora_service.errors import Conflict
 from drivora_service.execution.ownership import Ownership
 from drivora_service.runs.lifecycle import RetryPolicy
-from drivora_service.store.command_locks import CommandLocks
 from drivora_service.store.database import Database, open_database
+from drivora_service.store.locks.command_locks import CommandLocks
+from drivora_service.store.locks.postgresql_work_locks import PostgresqlWorkLocks
+from drivora_service.store.locks.work_locks import LongWork, WorkKind
 from drivora_service.store.migration import newest_revision, revisions, schema_version, upgrade
-from drivora_service.store.postgresql_work_locks import PostgresqlWorkLocks
-from drivora_service.store.work_locks import LongWork, WorkKind
 from tests.postgresql_server import PostgresqlServer
-from tests.store.test_campaigns import create as create_campaign
-from tests.store.test_work_locks import holding_process, wait_until
+from tests.store.campaigns.test_campaign_repository import create as create_campaign
+from tests.store.locks.test_work_locks import holding_process, wait_until
 
 _LONGEST_S = 10.0
 

@@ -13,10 +13,10 @@ from typing import Any, TypeVar
 import pytest
 from sqlalchemy import event
 
-from drivora_service.oracles.accountability import Accountability
-from drivora_service.runs.report import RunStatus
+from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.search.tester import EvaluationStatus
-from drivora_service.store.campaign_records import (
+from drivora_service.store.campaigns.campaign_records import (
     CampaignState,
     Confirmation,
     EvaluationFilter,
@@ -24,7 +24,7 @@ from drivora_service.store.campaign_records import (
     NewCampaign,
 )
 from drivora_service.store.database import Database
-from drivora_service.store.records import JobFilter, Priority
+from drivora_service.store.runs.run_records import JobFilter, Priority
 from tests.store.samples import claim, finish, finished, new_run, only_sqlite, register
 
 pytestmark = only_sqlite

@@ -10,15 +10,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from drivora_service.api.examples import SCENARIO
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.folder import CampaignFolder
-from drivora_service.campaigns.reading import read_campaign
-from drivora_service.campaigns.stored import new_campaign, run_stored
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.records.campaign_folder import CampaignFolder
+from drivora_service.campaigns.records.stored_campaigns import new_campaign, run_stored
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.oracles.verdict import Answer, Outcome, Verdict
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
-from drivora_service.store.campaign_records import CampaignRecord
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
+from drivora_service.store.campaigns.campaign_records import CampaignRecord
 from drivora_service.store.database import Database, open_database
 from tests.campaigns.analytic import Computed
 

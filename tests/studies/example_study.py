@@ -7,14 +7,14 @@ import copy
 from pathlib import Path
 from typing import Any
 
-from drivora_service.api.examples import SCENARIO
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.folder import CampaignFolder
-from drivora_service.campaigns.stored import run_stored
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.records.campaign_folder import CampaignFolder
+from drivora_service.campaigns.records.stored_campaigns import run_stored
 from drivora_service.store.database import Database
-from drivora_service.studies.reading import read_study
 from drivora_service.studies.service_studies import ServiceStudies
-from drivora_service.studies.storing import store_study
+from drivora_service.studies.study_reading import read_study
+from drivora_service.studies.study_storing import store_study
 from tests.campaigns.analytic import Computed
 from tests.studies.computed_study import perform
 

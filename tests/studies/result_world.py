@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from drivora_service.campaigns.catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
-from drivora_service.runs.report import RunFailure, RunReport, RunStatus
+from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.store.database import Database, database_file
-from drivora_service.store.records import Priority
+from drivora_service.store.runs.run_records import Priority
 from tests.store.samples import claim, ended, finish, finished, new_run, register
 from tests.studies.computed_study import campaign_content, opened
 from tests.studies.example_study import run_computed, stored, study_content

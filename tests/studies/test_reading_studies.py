@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.reading import read_campaign
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
 from drivora_service.errors import InvalidDocument
-from drivora_service.studies.documents import AS_IN_SCENARIO
-from drivora_service.studies.reading import read_study
+from drivora_service.studies.study_documents import AS_IN_SCENARIO
+from drivora_service.studies.study_reading import read_study
 from tests.studies.example_study import study_content
 
 

@@ -9,9 +9,9 @@ import jsonschema
 import pytest
 import yaml
 
-from drivora_service.cli.study_files import read_study_file
-from drivora_service.scenario.schema import schema_directory
-from drivora_service.studies.schema import schema_path, schema_text, study_schema
+from drivora_service.cli.studies.study_files import read_study_file
+from drivora_service.scenario.scenario_schema import schema_directory
+from drivora_service.studies.study_schema import schema_path, schema_text, study_schema
 from tests.studies.example_study import study_content
 
 EXAMPLES = sorted((schema_directory() / "examples" / "studies").glob("*.yaml"))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.scenario.documents import ScenarioDocument
-from drivora_service.suites.results import SuiteResults, SuiteRun, scenario_hash
 from drivora_service.suites.suite import SuiteScenario
+from drivora_service.suites.suite_results import SuiteResults, SuiteRun, scenario_hash
 
 DOCUMENT = ScenarioDocument.model_validate(SCENARIO)
 

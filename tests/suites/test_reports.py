@@ -13,19 +13,19 @@ from xml.etree import ElementTree
 import pytest
 from junitparser import JUnitXml, TestCase
 
-from drivora_service.runs.report import RunStatus
-from drivora_service.store.suite_records import ScenarioState
-from drivora_service.suites.baseline import make_baseline
-from drivora_service.suites.failures import find_failures
-from drivora_service.suites.gate_documents import GateDocument
-from drivora_service.suites.gating import decide
-from drivora_service.suites.junit import junit_xml
-from drivora_service.suites.report import SuiteReport, make_report
-from drivora_service.suites.report_html import report_html
-from drivora_service.suites.results import SuiteRun
-from drivora_service.suites.runs_csv import runs_csv
+from drivora_service.runs.run_report import RunStatus
+from drivora_service.store.suites.suite_records import ScenarioState
+from drivora_service.suites.gate.baseline import make_baseline
+from drivora_service.suites.gate.gate_documents import GateDocument
+from drivora_service.suites.gate.gating import decide
+from drivora_service.suites.reports.junit import junit_xml
+from drivora_service.suites.reports.markdown_summary import summary_markdown
+from drivora_service.suites.reports.report_html import report_html
+from drivora_service.suites.reports.runs_csv import runs_csv
+from drivora_service.suites.reports.suite_report import SuiteReport, make_report
 from drivora_service.suites.suite import KnownFailure, SuiteScenario
-from drivora_service.suites.summary import summary_markdown
+from drivora_service.suites.suite_failures import find_failures
+from drivora_service.suites.suite_results import SuiteRun
 from tests.suites.made_results import DOCUMENT, counted, results_of, scenarios_of, suite_run
 
 NASTY = '<script>alert(1)</script> & "x" | `y` \x00\x1b'

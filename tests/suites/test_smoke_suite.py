@@ -9,11 +9,15 @@ from statistics import median
 
 import pytest
 
-from drivora_service.cli.suite_files import names_of_installation, read_suite_path, shipped_suites
+from drivora_service.cli.suites.suite_files import (
+    names_of_installation,
+    read_suite_path,
+    shipped_suites,
+)
 from drivora_service.errors import ConfigurationError
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.oracles.catalogue import OracleCatalogue
-from drivora_service.suites.baseline import read_baseline
+from drivora_service.suites.gate.baseline import read_baseline
 from drivora_service.suites.suite import Suite
 
 FOLDER = shipped_suites() / "smoke"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.suites.suite_checks import check_judged
 from tests.suites.made_results import results_of, suite_run
 

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivora_service.agents.built_in import BUILT_IN
+from drivora_service.agents.built_in_agents import BUILT_IN
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.idm.agent import IdmAgent
@@ -31,16 +31,17 @@ from drivora_service.agents.interface import AccelerationControl, Observation
 from drivora_service.agents.plugin import AgentPlugin
 from drivora_service.feedback.measurement import Feedback, FeedbackChoice, Measurement
 from drivora_service.metrics import driving_score
-from drivora_service.metrics.built_in import measure
+from drivora_service.metrics.built_in_metrics import measure
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.observations import motion
 from drivora_service.observations.run_view import RunView
 from drivora_service.oracles import blocked
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.verdict import Outcome
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.simulation import step_kernels, trace_assembly
+from drivora_service.simulation import trace_assembly
+from drivora_service.simulation.motion import step_kernels
 from drivora_service.worker import measuring, performing
 from drivora_service.worker.integrity import judging_code
 from drivora_service.worker.setup import WorkerSetup
@@ -93,7 +94,7 @@ def default_of_a_function() -> Change:
     return Change(
         do=lambda: setattr(function, "__kwdefaults__", {"view": 3}),
         undo=lambda: setattr(function, "__kwdefaults__", before),
-        said="the keyword defaults of drivora_service.metrics.built_in.measure",
+        said="the keyword defaults of drivora_service.metrics.built_in_metrics.measure",
     )
 
 
@@ -175,7 +176,7 @@ CHANGES: Mapping[str, Callable[[], Change]] = {
     "a function of json": lambda: replaced(json, "dumps", repr, "json.dumps"),
     "a built-in function": lambda: replaced(builtins, "min", max, "builtins.min"),
     "a kernel": lambda: replaced(
-        step_kernels, "make_frame", max, "drivora_service.simulation.step_kernels.make_frame"
+        step_kernels, "make_frame", max, "drivora_service.simulation.motion.step_kernels.make_frame"
     ),
     "the source of a kernel": lambda: replaced(
         step_kernels.make_frame, "function", max, "the kernel drivora_service.simulation"

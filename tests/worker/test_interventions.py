@@ -18,20 +18,20 @@ from drivora_service.runs.adversary import (
     AdversarySource,
 )
 from drivora_service.runs.candidate import Candidate, CandidateSource
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json, from_canonical
 from drivora_service.scenario.model import Scenario
-from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.source import source_of
+from drivora_service.search.space.space_options import SpaceOptions
+from drivora_service.worker.candidate_preparing import prepare
 from drivora_service.worker.channel import LONGEST_BODY
 from drivora_service.worker.interventions import leave_scenario
 from drivora_service.worker.loop import PREPARE, WorkerTask, _report
-from drivora_service.worker.messages import candidate_of
 from drivora_service.worker.performing import perform
-from drivora_service.worker.preparing import prepare
-from drivora_service.worker.progress import BoardReader, ProgressBoard
+from drivora_service.worker.progress_board import BoardReader, ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
+from drivora_service.worker.worker_messages import candidate_of
 from tests.adversaries.games import alone
 
 SETUP = WorkerSetup(shipped_networks=shipped_networks())

@@ -20,10 +20,10 @@ from drivora_service.observations.trace import Trace
 from drivora_service.runs.candidate import CandidateSource, Reference
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.model import NpcBehavior, Scenario
-from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.source import source_of
-from drivora_service.worker.preparing import prepare
+from drivora_service.search.space.space_options import SpaceOptions
+from drivora_service.worker.candidate_preparing import prepare
 from drivora_service.worker.setup import WorkerSetup
 from tests.search.space.seeds import space_around
 from tests.simulation.episodes import run

@@ -11,13 +11,13 @@ from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import Trace
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.runs.run_report import RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.scenario.seeds import generate_seeds
+from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.scenario.validation import validate_document
 from drivora_service.worker.performing import perform
 from drivora_service.worker.setup import WorkerSetup
-from drivora_service.worker.warm_up import warm_up
+from drivora_service.worker.worker_warm_up import warm_up
 
 
 def held() -> list[object]:

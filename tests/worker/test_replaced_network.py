@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.networks.importing import import_network
-from drivora_service.observations.trace_file import read_trace
-from drivora_service.runs.report import RunSpec, RunStatus
+from drivora_service.networks.importing.network_importing import import_network
+from drivora_service.observations.trace_files.trace_file import read_trace
+from drivora_service.runs.run_report import RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.validation import validate_data
 from drivora_service.worker.performing import perform
-from drivora_service.worker.progress import BoardReader, ProgressBoard
+from drivora_service.worker.progress_board import BoardReader, ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
 
 NETWORK = shipped_networks() / "tee-town" / "tee-town.net.xml"

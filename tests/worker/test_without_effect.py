@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.runs.candidate import CandidateSource
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import (
     BackgroundTraffic,
@@ -21,9 +21,9 @@ from drivora_service.scenario.model import (
     WeatherChange,
 )
 from drivora_service.search.mutation import redrawn
-from drivora_service.search.space.options import SpaceOptions, VehicleStarts
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.source import source_of
+from drivora_service.search.space.space_options import SpaceOptions, VehicleStarts
 from drivora_service.worker.performing import perform
 from drivora_service.worker.setup import WorkerSetup
 from tests.search.space.seeds import NETWORKS, block_named, drawn, space_around

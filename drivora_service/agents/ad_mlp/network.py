@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.agents.imitation.waypoints import STEP_SCALE, WAYPOINTS
-from drivora_service.geometry.arrays import Float32Array
+from drivora_service.geometry.array_shapes import Float32Array
 
 HIDDEN = 192
 

@@ -27,7 +27,7 @@ from drivora_service.agents.imitation.way_view import (
 )
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import Float32Array, FloatArray
+from drivora_service.geometry.array_shapes import Float32Array, FloatArray
 from drivora_service.observations.trace import Col
 
 FRAMES = 4

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.agents.adapters.lines import arc_of
+from drivora_service.agents.adapters.path_lines import arc_of
 from drivora_service.agents.interface import Observation
 from drivora_service.agents.remote.views import LaneView
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Col
 
 _VEHICLE = 0

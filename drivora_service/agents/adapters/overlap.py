@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 
 
 def overlap(

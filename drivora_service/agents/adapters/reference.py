@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.agents.adapters.lines import arc_of, normals, resampled
+from drivora_service.agents.adapters.path_lines import arc_of, normals, resampled
 from drivora_service.agents.adapters.route_lanes import beside_one_another
 from drivora_service.agents.remote.views import LaneView, RouteView
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 _SPACING = 1.0
 _SMOOTHING = 1.5

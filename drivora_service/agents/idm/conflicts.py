@@ -9,11 +9,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.geometry.lines import arc_lengths
-from drivora_service.networks.lane_route import LaneRoute, LaneRun
 from drivora_service.networks.right_of_way import Movement, right_of_way
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.routes.lane_route import LaneRoute, LaneRun
 
 _CLEAR_WIDTH = 2.6
 """Two lines nearer than this cannot be driven side by side, metres: a car's width and a margin."""

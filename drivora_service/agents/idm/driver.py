@@ -11,7 +11,7 @@ from drivora_service.agents.idm.driving import decide
 from drivora_service.agents.idm.run_following import RunFollower, Way
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 from drivora_service.compilation import settled
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 
 LOST = 8.0
 """Metres beside its line from which on the driver is lost, and stops."""

@@ -13,8 +13,8 @@ from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, gap_on_li
 from drivora_service.agents.idm.pure_pursuit import point_at, preview, steer_at
 from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halt
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import FloatArray, IntArray
-from drivora_service.networks.line_tracking import track_line
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
+from drivora_service.networks.routes.line_tracking import track_line
 
 DRIVING_JERK = 3.0
 BRAKING_JERK = 8.0

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 _LEAST_PREVIEW = 3.5
 _PREVIEW_TIME = 0.6

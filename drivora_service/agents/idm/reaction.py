@@ -15,7 +15,7 @@ import numpy as np
 
 from drivora_service.agents.interface import Observation
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.observations.trace import Light
 
 MOST_TURNING = 1.0

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 
 HARD_BRAKING = 4.5
 PATIENCE = 6.0

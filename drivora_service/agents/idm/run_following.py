@@ -12,9 +12,9 @@ from drivora_service.agents.idm.conflicts import Conflicts, find_conflicts
 from drivora_service.agents.idm.corridor import lane_is_free
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.agents.speed_profile import free_speeds
-from drivora_service.geometry.arrays import FloatArray
-from drivora_service.networks.lane_route import LaneRoute, LaneRun
-from drivora_service.networks.line_tracking import track_line
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.networks.routes.lane_route import LaneRoute, LaneRun
+from drivora_service.networks.routes.line_tracking import track_line
 
 STANDING_SPEED = 0.2
 LONGEST_WAIT = 10.0

@@ -19,8 +19,8 @@ from drivora_service.agents.idm_mobil.incentive import find_neighbours, incentiv
 from drivora_service.agents.idm_mobil.lane_ways import LaneWays, Place, Places
 from drivora_service.agents.idm_mobil.parameters import MobilParameters
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
-from drivora_service.geometry.arrays import FloatArray
-from drivora_service.networks.line_tracking import track_line
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.networks.routes.line_tracking import track_line
 
 _PERIOD = 0.5
 """Seconds between checks of the adjacent lanes."""

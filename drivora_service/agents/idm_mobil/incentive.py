@@ -13,7 +13,7 @@ import numpy as np
 from drivora_service.agents.idm.car_following import follow
 from drivora_service.agents.idm.corridor import SIDE_ROOM
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 _REACH = 120.0
 _HARDEST_BRAKING = 9.0

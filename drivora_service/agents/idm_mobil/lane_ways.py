@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.lines import arc_lengths
-from drivora_service.networks.lane_graph import change_cost, lane_graph
-from drivora_service.networks.lane_route import LaneRoute, LaneRun
-from drivora_service.networks.line_tracking import track_line
 from drivora_service.networks.right_of_way import right_of_way
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.networks.route_line import build_route
-from drivora_service.networks.route_search import EdgePass
+from drivora_service.networks.routes.lane_graph import change_cost, lane_graph
+from drivora_service.networks.routes.lane_route import LaneRoute, LaneRun
+from drivora_service.networks.routes.line_tracking import track_line
+from drivora_service.networks.routes.route_line import build_route
+from drivora_service.networks.routes.route_search import EdgePass
 
 _BEHIND = 100.0
 """Metres of a lane's line before its beginning, for actors that come from there."""

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from drivora_service.agents.imitation.waypoints import WAYPOINTS, drive_waypoints
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
-from drivora_service.geometry.arrays import Float32Array
+from drivora_service.geometry.array_shapes import Float32Array
 
 _PERIOD = 0.1
 """Seconds between two decisions."""

@@ -12,8 +12,8 @@ import numpy as np
 from drivora_service.agents.idm.run_following import RunFollower
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import Float32Array, FloatArray
-from drivora_service.networks.line_tracking import track_line
+from drivora_service.geometry.array_shapes import Float32Array, FloatArray
+from drivora_service.networks.routes.line_tracking import track_line
 
 PIECES = 12
 PIECE_SIZE = 7

@@ -9,7 +9,7 @@ import math
 
 from drivora_service.agents.idm.pure_pursuit import preview
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import Float32Array
+from drivora_service.geometry.array_shapes import Float32Array
 
 WAYPOINTS = 4
 INTERVAL = 0.5

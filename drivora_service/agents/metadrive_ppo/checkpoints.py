@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from drivora_service.agents.route_corridor import RouteCorridor
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 _SPACING = 1.0
 _SMOOTHING = 9

@@ -29,7 +29,7 @@ import numpy as np
 
 from drivora_service.agents.metadrive_ppo.policy import OBSERVATION_SIZE
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.geometry.kernels import wrapped
 
 REACH = 50.0

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry.arrays import Float32Array
+from drivora_service.geometry.array_shapes import Float32Array
 
 OBSERVATION_SIZE = 275
 HIDDEN = 256

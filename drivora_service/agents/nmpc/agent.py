@@ -36,8 +36,8 @@ from drivora_service.agents.pdm_closed.forecast import STEPS, forecast, see_from
 from drivora_service.agents.pdm_closed.margins import side_margins
 from drivora_service.agents.pdm_closed.paths import LanePaths
 from drivora_service.agents.plugin import read_agent_parameters
-from drivora_service.geometry.arrays import FloatArray, IntArray
-from drivora_service.networks.line_tracking import track_line
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
+from drivora_service.networks.routes.line_tracking import track_line
 from drivora_service.observations.trace import Col
 
 _LARGEST_OFFSET = 1.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drivora_service.agents.nmpc.problem import INPUTS, STAGE_TIME, STAGES, STATES
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 _TIMES = STAGE_TIME * np.arange(STAGES + 1)
 

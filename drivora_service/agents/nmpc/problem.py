@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from drivora_service.agents.nmpc.casadi_files import load_casadi
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 STAGES = 14
 STAGE_TIME = 0.2

@@ -16,7 +16,7 @@ from drivora_service.agents.idm.right_of_way import HARD_BRAKING
 from drivora_service.agents.nmpc.problem import BOXES, STAGE_TIME
 from drivora_service.agents.pdm_closed.proposals import accelerate
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.geometry.kernels import wrapped
 
 FORECASTS_A_STAGE = 2

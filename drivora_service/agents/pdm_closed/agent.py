@@ -20,8 +20,8 @@ from drivora_service.agents.pdm_closed.parameters import PdmParameters
 from drivora_service.agents.pdm_closed.paths import LanePaths
 from drivora_service.agents.pdm_closed.proposals import propose
 from drivora_service.agents.pdm_closed.scoring import score
-from drivora_service.geometry.arrays import FloatArray
-from drivora_service.networks.line_tracking import track_line
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.networks.routes.line_tracking import track_line
 from drivora_service.observations.trace import Col
 
 FACTORS = (1.0, 0.8, 0.6, 0.4, 0.2)

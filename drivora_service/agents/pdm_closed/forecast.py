@@ -10,8 +10,8 @@ import math
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import FloatArray, IntArray
-from drivora_service.networks.line_tracking import track_line
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
+from drivora_service.networks.routes.line_tracking import track_line
 
 STEPS = 40
 STEP = 0.1

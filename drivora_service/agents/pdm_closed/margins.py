@@ -6,10 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.drivable_area import near_area
-from drivora_service.networks.lane_route import LaneRun
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.routes.lane_route import LaneRun
 
 _SAMPLES = np.arange(1.0, 3.6, 0.25)
 """Distances beside the line at which the road is checked, metres."""

@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from drivora_service.geometry.angles import wrap_angle
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.geometry.lines import arc_lengths
-from drivora_service.networks.lane_graph import lane_graph
 from drivora_service.networks.projection import lane_positions_near
 from drivora_service.networks.road_network import LanePosition, RoadNetwork
+from drivora_service.networks.routes.lane_graph import lane_graph
 from drivora_service.observations.trace import Col
 
 _PERIOD = 10

@@ -22,8 +22,8 @@ from drivora_service.agents.idm.pure_pursuit import point_at, preview, steer_at
 from drivora_service.agents.idm.right_of_way import HARD_BRAKING
 from drivora_service.agents.pdm_closed.forecast import STEP
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import FloatArray, IntArray
-from drivora_service.networks.line_tracking import track_line
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
+from drivora_service.networks.routes.line_tracking import track_line
 
 _STEER_RATE = 0.7
 _SHIFT_TIME = 2.0

@@ -14,7 +14,7 @@ import numpy as np
 
 from drivora_service.agents.pdm_closed.forecast import STEP
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.boxes import overlap_depth
 
 PROGRESS_WEIGHT = 5.0

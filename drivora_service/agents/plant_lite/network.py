@@ -16,7 +16,7 @@ import numpy as np
 from drivora_service.agents.imitation.way_view import EGO_SIZE, PIECE_SIZE, PIECES
 from drivora_service.agents.imitation.waypoints import STEP_SCALE, WAYPOINTS
 from drivora_service.agents.plant_lite.view import OBJECT_SIZE, OBJECTS, OBJECTS_AT
-from drivora_service.geometry.arrays import Float32Array
+from drivora_service.geometry.array_shapes import Float32Array
 
 WIDTH = 48
 HEADS = 4

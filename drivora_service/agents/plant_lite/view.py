@@ -29,7 +29,7 @@ from drivora_service.agents.imitation.way_view import (
 )
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import Float32Array, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import Float32Array, FloatArray, IntArray
 
 OBJECTS = 12
 OBJECT_SIZE = 14

@@ -33,7 +33,7 @@ from drivora_service.agents.puffer_drive.policy import (
     VEHICLES,
 )
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import Float32Array, FloatArray
+from drivora_service.geometry.array_shapes import Float32Array, FloatArray
 
 SIZE_SHARE = 0.7
 """Share of its length and width of all vehicles in the policy's training."""

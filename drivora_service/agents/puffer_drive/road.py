@@ -7,10 +7,10 @@ from functools import lru_cache
 import numpy as np
 import shapely
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.drivable_area import drivable_area
-from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.road_network import Lane, RoadNetwork
+from drivora_service.networks.routes.lane_route import LaneRoute
 
 LANE, LINE, EDGE = 0.0, 1.0, 2.0
 """Kinds of pieces: along the middle of a lane, the line at its left, the edge of the road."""

@@ -20,7 +20,7 @@ from drivora_service.agents.puffer_drive.policy import (
     DriveWeights,
 )
 from drivora_service.errors import AgentError
-from drivora_service.geometry.arrays import Float32Array
+from drivora_service.geometry.array_shapes import Float32Array
 
 FILE_NAME = "weights.bin"
 

@@ -13,7 +13,12 @@ from drivora_service.agents.log import MOST_PLAN_POINTS, AgentLog
 from drivora_service.agents.manifest import AgentDeadlines
 from drivora_service.agents.remote import agent_pb2 as pb
 from drivora_service.agents.remote.hosts import Host
-from drivora_service.agents.remote.messages import control_of, invalid, setup_request, step_request
+from drivora_service.agents.remote.remote_messages import (
+    control_of,
+    invalid,
+    setup_request,
+    step_request,
+)
 from drivora_service.errors import AgentError
 
 _DETAILS = 8000

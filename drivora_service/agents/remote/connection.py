@@ -9,8 +9,8 @@ import grpc
 from google.protobuf.message import DecodeError, Message
 
 from drivora_service.agents.remote import agent_pb2 as pb
-from drivora_service.agents.remote.messages import invalid
 from drivora_service.agents.remote.protocol import DESCRIBE, MESSAGE_BYTES, RUN_STEP, SETUP_ENV
+from drivora_service.agents.remote.remote_messages import invalid
 
 M = TypeVar("M", bound=Message)
 

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from drivora_service.agents.interface import Control, Observation
 from drivora_service.agents.log import AgentLog
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,7 +11,7 @@ import numpy as np
 from drivora_service.agents.interface import AgentContext, Control, Observation, PoseControl
 from drivora_service.agents.scripted.parameters import ScriptedParameters
 from drivora_service.errors import AgentError
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Col
 
 _STANDING_SPEED = 0.05

@@ -6,16 +6,16 @@ from typing import Annotated
 
 from fastapi import Depends, Query, Request, Response
 
-from drivora_service.api import examples
-from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers
+from drivora_service.api.guards.authorization import reader
+from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.resource_router import resource_router
-from drivora_service.api.security import reader
 from drivora_service.errors import UnknownName
-from drivora_service.suites.counted import Counted
-from drivora_service.suites.paired.comparison import BatchComparison
-from drivora_service.suites.paired.counting import Rules, Unfinished
+from drivora_service.suites.gate.counted_failures import Counted
+from drivora_service.suites.paired.batch_comparison import BatchComparison
+from drivora_service.suites.paired.failure_rules import Rules, Unfinished
 
 router = resource_router("batches", Depends(reader))
 
@@ -23,7 +23,7 @@ router = resource_router("batches", Depends(reader))
 @router.get(
     "/batches:compare",
     response_model=BatchComparison,
-    responses=answers(examples.BATCH_COMPARISON, 401, 403, 404, 422),
+    responses=answers(recorded_examples.BATCH_COMPARISON, 401, 403, 404, 422),
 )
 def compare_batches(
     request: Request,
@@ -56,7 +56,7 @@ def compare_batches(
     ] = None,
 ) -> Response:
     """Compares two batches on the same scenarios: failures, metrics, and every pair of runs."""
-    from drivora_service.suites.paired.reading import compare_stored_batches
+    from drivora_service.suites.paired.stored_batches import compare_stored_batches
 
     known = context.oracles.names()
     for name in oracle or ():

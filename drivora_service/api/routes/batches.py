@@ -9,14 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import Depends, Query, Request, Response
 
-from drivora_service.api import bodies, examples
-from drivora_service.api.batch_scenarios import read_batch_scenario
-from drivora_service.api.conditional import json_answer
+from drivora_service.api.answers import request_bodies
+from drivora_service.api.answers.batch_scenarios import read_batch_scenario
+from drivora_service.api.answers.query_parameters import Limit, PageToken, RunOverrides
+from drivora_service.api.answers.submission import Checker, Overrides, check_overrides, new_run
 from drivora_service.api.context import ApiContext, Context
-from drivora_service.api.documentation import answers, batch_body
-from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
-from drivora_service.api.parameters import Limit, PageToken, RunOverrides
-from drivora_service.api.problems import problem_items
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers, batch_body
+from drivora_service.api.guards.authorization import reader, submitter
+from drivora_service.api.guards.entity_tags import json_answer
+from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, done_once
+from drivora_service.api.problem_details import problem_items
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.batches import (
     Batch,
@@ -25,12 +28,10 @@ from drivora_service.api.schemas.batches import (
     ItemResult,
     batch_of,
 )
-from drivora_service.api.security import reader, submitter
-from drivora_service.api.submission import Checker, Overrides, check_overrides, new_run
 from drivora_service.api_paths import PREFIX
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.shapes import to_json
-from drivora_service.store.records import NewRun, Page, Priority
+from drivora_service.store.runs.run_records import NewRun, Page, Priority
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
@@ -48,14 +49,14 @@ MOST_PROBLEMS = 10_000
     "/batches",
     status_code=202,
     response_model=BatchSubmission,
-    responses=answers(examples.SUBMISSION, 401, 403, 409, 413, 415, 422, 429, status=202),
-    openapi_extra=batch_body(examples.SCENARIO),
+    responses=answers(recorded_examples.SUBMISSION, 401, 403, 409, 413, 415, 422, 429, status=202),
+    openapi_extra=batch_body(recorded_examples.SCENARIO),
     dependencies=[Depends(submitter)],
 )
 def post_batch(
     request: Request,
     context: Context,
-    body: bodies.RawBody,
+    body: request_bodies.RawBody,
     overrides: RunOverrides,
     name: Annotated[str, Query(max_length=200, description="Display name.")] = "",
     priority: Annotated[Priority, Query(description="Priority of its runs.")] = Priority.CI,
@@ -74,7 +75,7 @@ def post_batch(
 
     def prepare() -> Work:
         check_overrides(context, overrides)
-        documents = bodies.split_batch(request, body, most=context.limits.batch_items)
+        documents = request_bodies.split_batch(request, body, most=context.limits.batch_items)
         checked = _checked(context, documents, overrides)
         owner_id = context.reserve(len(checked.runs))
 
@@ -104,7 +105,7 @@ def post_batch(
 @router.get(
     "/batches",
     response_model=Page[Batch],
-    responses=answers(examples.BATCHES, 401, 403, 422),
+    responses=answers(recorded_examples.BATCHES, 401, 403, 422),
     dependencies=[Depends(reader)],
 )
 def list_batches(
@@ -130,7 +131,7 @@ def list_batches(
 @router.get(
     "/batches/{batch_id:id}",
     response_model=Batch,
-    responses=answers(examples.BATCH, 401, 403, 404),
+    responses=answers(recorded_examples.BATCH, 401, 403, 404),
     dependencies=[Depends(reader)],
 )
 def get_batch(request: Request, context: Context, batch_id: str) -> Response:
@@ -147,7 +148,7 @@ def get_batch(request: Request, context: Context, batch_id: str) -> Response:
     "/batches/{batch_id:id}:cancel",
     status_code=202,
     response_model=Batch,
-    responses=answers(examples.CANCELLED_BATCH, 401, 403, 404, status=202),
+    responses=answers(recorded_examples.CANCELLED_BATCH, 401, 403, 404, status=202),
     dependencies=[Depends(submitter)],
 )
 def cancel_batch(context: Context, batch_id: str) -> Batch:
@@ -162,7 +163,7 @@ def cancel_batch(context: Context, batch_id: str) -> Batch:
     "/batches/{batch_id:id}:pause",
     status_code=202,
     response_model=Batch,
-    responses=answers(examples.PAUSED_BATCH, 401, 403, 404, 409, status=202),
+    responses=answers(recorded_examples.PAUSED_BATCH, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def pause_batch(context: Context, batch_id: str) -> Batch:
@@ -175,7 +176,7 @@ def pause_batch(context: Context, batch_id: str) -> Batch:
     "/batches/{batch_id:id}:resume",
     status_code=202,
     response_model=Batch,
-    responses=answers(examples.RESUMED_BATCH, 401, 403, 404, 409, status=202),
+    responses=answers(recorded_examples.RESUMED_BATCH, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def resume_batch(context: Context, batch_id: str) -> Batch:

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
 from fastapi import Depends, Query, Request, Response
 
-from drivora_service.api import bodies, examples
-from drivora_service.api.conditional import json_answer
+from drivora_service.api.answers import request_bodies
+from drivora_service.api.answers.query_parameters import Limit, PageToken
 from drivora_service.api.context import ApiContext, Context
-from drivora_service.api.documentation import answers, campaign_body
-from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
-from drivora_service.api.parameters import Limit, PageToken
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers, campaign_body
+from drivora_service.api.guards.authorization import reader, submitter
+from drivora_service.api.guards.entity_tags import json_answer
+from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.campaigns import (
     Campaign,
@@ -21,23 +23,22 @@ from drivora_service.api.schemas.campaigns import (
     campaign_of,
     space_presets,
 )
-from drivora_service.api.security import reader, submitter
 from drivora_service.api_paths import PREFIX
-from drivora_service.campaigns.requests import ask_for
+from drivora_service.campaigns.hosts.campaign_requests import ask_for
 from drivora_service.errors import Conflict
 from drivora_service.shapes import to_json
-from drivora_service.store.campaign_records import (
+from drivora_service.store.campaigns.campaign_records import (
     CampaignRecord,
     CampaignRequest,
     CampaignState,
     CampaignSummary,
 )
-from drivora_service.store.records import Page
-from drivora_service.store.work_locks import LongWork
+from drivora_service.store.locks.work_locks import LongWork
+from drivora_service.store.runs.run_records import Page
 
 if TYPE_CHECKING:
-    from drivora_service.campaigns.engine import Search
-    from drivora_service.campaigns.reading import ValidCampaign
+    from drivora_service.campaigns.document.campaign_reading import ValidCampaign
+    from drivora_service.campaigns.search.engine import Search
     from drivora_service.store.database import Transaction
 
 router = resource_router("campaigns")
@@ -53,24 +54,24 @@ _STORED_AS = {CampaignState.INTERRUPTED: CampaignState.RUNNING}
     "/campaigns",
     status_code=202,
     response_model=Campaign,
-    responses=answers(examples.QUEUED_CAMPAIGN, 401, 403, 409, 413, 415, 422, status=202),
-    openapi_extra=campaign_body(examples.CAMPAIGN),
+    responses=answers(recorded_examples.QUEUED_CAMPAIGN, 401, 403, 409, 413, 415, 422, status=202),
+    openapi_extra=campaign_body(recorded_examples.CAMPAIGN),
     dependencies=[Depends(submitter)],
 )
 def post_campaign(
     request: Request,
     context: Context,
-    body: bodies.RawBody,
+    body: request_bodies.RawBody,
     idempotency_key: IdempotencyKey = "",
 ) -> Response:
     """Queues the campaign in the body; `Location` is its address."""
-    form = bodies.document_format(request)
+    form = request_bodies.document_format(request)
 
     def prepare() -> Work:
         valid, _ = _prepared(context, body, form)
 
         def commit(transaction: Transaction) -> Answer:
-            from drivora_service.campaigns.stored import new_campaign
+            from drivora_service.campaigns.records.stored_campaigns import new_campaign
 
             campaign_id = transaction.campaigns.create(new_campaign(valid)).id
             context.campaigns.open(transaction, campaign_id)
@@ -91,15 +92,15 @@ def post_campaign(
 @router.post(
     "/campaigns:validate",
     response_model=CampaignValidation,
-    responses=answers(examples.CAMPAIGN_VALIDATION, 401, 403, 413, 415, 422),
-    openapi_extra=campaign_body(examples.CAMPAIGN),
+    responses=answers(recorded_examples.CAMPAIGN_VALIDATION, 401, 403, 413, 415, 422),
+    openapi_extra=campaign_body(recorded_examples.CAMPAIGN),
     dependencies=[Depends(submitter)],
 )
 def validate_campaign(
-    request: Request, context: Context, body: bodies.RawBody
+    request: Request, context: Context, body: request_bodies.RawBody
 ) -> CampaignValidation:
     """Checks a campaign as posting it would, and answers with the same problems."""
-    form = bodies.document_format(request)
+    form = request_bodies.document_format(request)
     valid, search = _prepared(context, body, form)
     return CampaignValidation(
         valid=True,
@@ -114,7 +115,7 @@ def validate_campaign(
 @router.get(
     "/campaigns:presets",
     response_model=SpacePresetList,
-    responses=answers(examples.SPACE_PRESETS, 401, 403),
+    responses=answers(recorded_examples.SPACE_PRESETS, 401, 403),
     dependencies=[Depends(reader)],
 )
 def list_presets(request: Request) -> Response:
@@ -125,7 +126,7 @@ def list_presets(request: Request) -> Response:
 @router.get(
     "/campaigns",
     response_model=Page[CampaignSummary],
-    responses=answers(examples.CAMPAIGNS, 401, 403, 422),
+    responses=answers(recorded_examples.CAMPAIGNS, 401, 403, 422),
     dependencies=[Depends(reader)],
 )
 def list_campaigns(
@@ -154,7 +155,7 @@ def list_campaigns(
 @router.get(
     "/campaigns/{campaign_id:id}",
     response_model=Campaign,
-    responses=answers(examples.FINISHED_CAMPAIGN, 401, 403, 404),
+    responses=answers(recorded_examples.FINISHED_CAMPAIGN, 401, 403, 404),
     dependencies=[Depends(reader)],
 )
 def get_campaign(request: Request, context: Context, campaign_id: str) -> Response:
@@ -171,7 +172,7 @@ def get_campaign(request: Request, context: Context, campaign_id: str) -> Respon
     "/campaigns/{campaign_id:id}:pause",
     status_code=202,
     response_model=Campaign,
-    responses=answers(examples.PAUSED_CAMPAIGN, 401, 403, 404, 409, status=202),
+    responses=answers(recorded_examples.PAUSED_CAMPAIGN, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def pause_campaign(context: Context, campaign_id: str) -> Campaign:
@@ -183,7 +184,7 @@ def pause_campaign(context: Context, campaign_id: str) -> Campaign:
     "/campaigns/{campaign_id:id}:cancel",
     status_code=202,
     response_model=Campaign,
-    responses=answers(examples.CANCELLED_CAMPAIGN, 401, 403, 404, 409, status=202),
+    responses=answers(recorded_examples.CANCELLED_CAMPAIGN, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def cancel_campaign(context: Context, campaign_id: str) -> Campaign:
@@ -195,7 +196,7 @@ def cancel_campaign(context: Context, campaign_id: str) -> Campaign:
     "/campaigns/{campaign_id:id}:resume",
     status_code=202,
     response_model=Campaign,
-    responses=answers(examples.RESUMED_CAMPAIGN, 401, 403, 404, 409, status=202),
+    responses=answers(recorded_examples.RESUMED_CAMPAIGN, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def resume_campaign(context: Context, campaign_id: str) -> Campaign:
@@ -210,8 +211,8 @@ def _prepared(
 ) -> tuple[ValidCampaign, Search]:
     """Reads a campaign, and makes what the space and the tester may refuse."""
     # Imported here: they need the code of all agents, oracles and testers.
-    from drivora_service.campaigns.preparing import prepare_search
-    from drivora_service.campaigns.reading import read_campaign
+    from drivora_service.campaigns.document.campaign_reading import read_campaign
+    from drivora_service.campaigns.search.search_preparation import prepare_search
 
     valid = read_campaign(body, context.catalogues, form)
     return valid, prepare_search(valid, context.catalogues, run_prefix="")

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 from fastapi import Depends, Request, Response
 
-from drivora_service.api import examples
-from drivora_service.api.conditional import json_answer
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers
+from drivora_service.api.guards.authorization import reader
+from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.catalogues import (
     Agent,
@@ -24,12 +25,11 @@ from drivora_service.api.schemas.catalogues import (
     TesterList,
     TesterParameter,
 )
-from drivora_service.api.security import reader
 from drivora_service.errors import SearchError
-from drivora_service.feedback.descriptions import OBJECTIVES, law_objectives
-from drivora_service.metrics.descriptions import METRICS
+from drivora_service.feedback.objective_descriptions import OBJECTIVES, law_objectives
+from drivora_service.metrics.metric_descriptions import METRICS
 from drivora_service.parameters import describe_parameters
-from drivora_service.scenario.actor_models import ActorKind, actor_model, model_names
+from drivora_service.scenario.models.actor_models import ActorKind, actor_model, model_names
 
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
@@ -39,14 +39,18 @@ if TYPE_CHECKING:
 router = resource_router("catalogues", Depends(reader))
 
 
-@router.get("/agents", response_model=AgentList, responses=answers(examples.AGENTS, 401, 403))
+@router.get(
+    "/agents", response_model=AgentList, responses=answers(recorded_examples.AGENTS, 401, 403)
+)
 def list_agents(request: Request, context: Context) -> Response:
     """Lists the ADSs that can drive an ego."""
     items = tuple(_agent(context.agents, name) for name in context.agents.names())
     return json_answer(request, AgentList, AgentList(items=items))
 
 
-@router.get("/models", response_model=ModelList, responses=answers(examples.MODELS, 401, 403))
+@router.get(
+    "/models", response_model=ModelList, responses=answers(recorded_examples.MODELS, 401, 403)
+)
 def list_models(request: Request) -> Response:
     """Lists the models of vehicles, walkers and obstacles that documents can name."""
     models = [actor_model(kind, name) for kind in ActorKind for name in model_names(kind)]
@@ -65,7 +69,9 @@ def list_models(request: Request) -> Response:
     return json_answer(request, ModelList, ModelList(items=items))
 
 
-@router.get("/testers", response_model=TesterList, responses=answers(examples.TESTERS, 401, 403))
+@router.get(
+    "/testers", response_model=TesterList, responses=answers(recorded_examples.TESTERS, 401, 403)
+)
 def list_testers(request: Request, context: Context) -> Response:
     """Lists the testing methods that a campaign can name, with their parameters."""
     catalogue = context.catalogues.testers
@@ -73,7 +79,9 @@ def list_testers(request: Request, context: Context) -> Response:
     return json_answer(request, TesterList, TesterList(items=items))
 
 
-@router.get("/oracles", response_model=OracleList, responses=answers(examples.ORACLES, 401, 403))
+@router.get(
+    "/oracles", response_model=OracleList, responses=answers(recorded_examples.ORACLES, 401, 403)
+)
 def list_oracles(request: Request, context: Context) -> Response:
     """Lists the oracles that judge every run, with their thresholds."""
     items = tuple(_oracle(context.oracles, name) for name in context.oracles.names())
@@ -81,7 +89,9 @@ def list_oracles(request: Request, context: Context) -> Response:
 
 
 @router.get(
-    "/metrics:describe", response_model=MeasureList, responses=answers(examples.MEASURES, 401, 403)
+    "/metrics:describe",
+    response_model=MeasureList,
+    responses=answers(recorded_examples.MEASURES, 401, 403),
 )
 def describe_metrics(request: Request, context: Context) -> Response:
     """Describes the metrics of runs and the objectives of searches."""

@@ -6,21 +6,21 @@ from typing import Annotated
 
 from fastapi import Depends, Query, Request, Response
 
-from drivora_service.api import examples
-from drivora_service.api.conditional import json_answer
+from drivora_service.api.answers.query_parameters import Points
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers
-from drivora_service.api.parameters import Points
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers
+from drivora_service.api.guards.authorization import reader
+from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.comparisons import Figures
-from drivora_service.api.security import reader
 from drivora_service.shapes import combine
-from drivora_service.store.campaign_findings import campaign_findings
-from drivora_service.studies.comparing import Comparison, compare_stored
-from drivora_service.studies.comparison import MEASURES, measure
-from drivora_service.studies.coverage_memory import CoverageMemory
-from drivora_service.studies.coverage_values import CampaignCoverage
-from drivora_service.studies.discoveries import CampaignDiscoveries, discoveries_of
+from drivora_service.store.campaigns.failure_columns import campaign_findings
+from drivora_service.studies.comparison.campaign_comparison import Comparison, compare_stored
+from drivora_service.studies.comparison.campaign_measures import MEASURES, measure
+from drivora_service.studies.comparison.discovery_curves import CampaignDiscoveries, discoveries_of
+from drivora_service.studies.coverage.coverage_memory import CoverageMemory
+from drivora_service.studies.coverage.coverage_values import CampaignCoverage
 
 router = resource_router("campaigns", Depends(reader))
 
@@ -28,7 +28,7 @@ router = resource_router("campaigns", Depends(reader))
 @router.get(
     "/campaigns:compare",
     response_model=Comparison,
-    responses=answers(examples.COMPARISON, 401, 403, 404, 422),
+    responses=answers(recorded_examples.COMPARISON, 401, 403, 404, 422),
 )
 def compare_campaigns(
     request: Request,
@@ -52,7 +52,7 @@ def compare_campaigns(
     ] = False,
 ) -> Response:
     """Compares methods by finished campaigns: medians, effect sizes, p-values."""
-    from drivora_service.studies.choosing import choose_campaigns
+    from drivora_service.studies.campaign_lookup import choose_campaigns
 
     measures = tuple(measure(name) for name in dict.fromkeys(by)) if by else MEASURES
     comparison = compare_stored(
@@ -69,11 +69,11 @@ def compare_campaigns(
 @router.get(
     "/campaigns/{campaign_id:id}/figures",
     response_model=Figures,
-    responses=answers(examples.FIGURES, 401, 403, 404),
+    responses=answers(recorded_examples.FIGURES, 401, 403, 404),
 )
 def get_figures(request: Request, context: Context, campaign_id: str) -> Response:
     """Returns the figures of a campaign so far, by which campaigns are compared."""
-    from drivora_service.studies.campaign_report import read_report
+    from drivora_service.studies.reports.campaign_report import read_report
 
     report = read_report(context.database, campaign_id, context.catalogues)
     return json_answer(request, Figures, combine(Figures, report))
@@ -82,7 +82,7 @@ def get_figures(request: Request, context: Context, campaign_id: str) -> Respons
 @router.get(
     "/campaigns/{campaign_id:id}/discoveries",
     response_model=CampaignDiscoveries,
-    responses=answers(examples.DISCOVERIES, 401, 403, 404, 422),
+    responses=answers(recorded_examples.DISCOVERIES, 401, 403, 404, 422),
 )
 def get_discoveries(
     request: Request,
@@ -101,7 +101,7 @@ def get_discoveries(
 @router.get(
     "/campaigns/{campaign_id:id}/coverage",
     response_model=CampaignCoverage,
-    responses=answers(examples.COVERAGE, 401, 403, 404),
+    responses=answers(recorded_examples.COVERAGE, 401, 403, 404),
 )
 def get_coverage(request: Request, context: Context, campaign_id: str) -> Response:
     """Returns the roads, values of genes and kinds of scenarios that a campaign has tried.
@@ -109,7 +109,7 @@ def get_coverage(request: Request, context: Context, campaign_id: str) -> Respon
     One request counts at most 1,000 evaluations that were not counted before; ask again while
     `counted` is less than `evaluations`.
     """
-    from drivora_service.studies.campaign_coverage import CoverageCounts
+    from drivora_service.studies.coverage.campaign_coverage import CoverageCounts
 
     with context.database.read() as transaction:
         campaign = transaction.campaigns.get(campaign_id)

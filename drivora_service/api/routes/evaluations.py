@@ -8,19 +8,21 @@ from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Depends, Path, Query, Request, Response
 
-from drivora_service.api import examples
-from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
+from drivora_service.api.answers.query_parameters import Frames, Limit, PageToken
+from drivora_service.api.answers.recorded_frames import observations_answer
+from drivora_service.api.answers.run_pictures import Moments, picture_answer
+from drivora_service.api.answers.table_answer import Columns, table_answer
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import (
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import (
     answers,
     observations_answers,
     picture_answers,
     scenario_answers,
     table_answers,
 )
-from drivora_service.api.observations import observations_answer
-from drivora_service.api.parameters import Frames, Limit, PageToken
-from drivora_service.api.pictures import Moments, picture_answer
+from drivora_service.api.guards.authorization import reader
+from drivora_service.api.guards.entity_tags import JSON, bytes_answer, digest, json_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.campaigns import (
     Evaluation,
@@ -28,29 +30,27 @@ from drivora_service.api.schemas.campaigns import (
     evaluation_of,
     failure_of,
 )
-from drivora_service.api.security import reader
-from drivora_service.api.table_answer import Columns, table_answer
 from drivora_service.api_paths import PREFIX
-from drivora_service.campaigns.confirming import trace_name
+from drivora_service.campaigns.search.confirmation import trace_name
 from drivora_service.errors import UnknownName
-from drivora_service.oracles.accountability import Accountability
+from drivora_service.oracles.verdicts.accountability import Accountability
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document
 from drivora_service.search.tester import EvaluationStatus
-from drivora_service.store.campaign_records import (
+from drivora_service.store.campaigns.campaign_records import (
     Confirmation,
     EvaluationFilter,
     EvaluationRecord,
     EvaluationSummary,
     FailureFilter,
 )
-from drivora_service.store.records import Page
+from drivora_service.store.runs.run_records import Page
 from drivora_service.studies.table_names import CampaignTableName
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
-    from drivora_service.studies.table_forms import Table
+    from drivora_service.studies.tables.table_forms import Table
 
 router = resource_router("campaigns", Depends(reader))
 
@@ -69,7 +69,7 @@ class Order(StrEnum):
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations",
     response_model=Page[EvaluationSummary],
-    responses=answers(examples.EVALUATIONS, 401, 403, 404, 422),
+    responses=answers(recorded_examples.EVALUATIONS, 401, 403, 404, 422),
 )
 def list_evaluations(
     request: Request,
@@ -100,7 +100,7 @@ def list_evaluations(
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations/{number}",
     response_model=Evaluation,
-    responses=answers(examples.EVALUATION, 401, 403, 404),
+    responses=answers(recorded_examples.EVALUATION, 401, 403, 404),
 )
 def get_evaluation(
     request: Request, context: Context, campaign_id: str, number: Number
@@ -128,7 +128,7 @@ def get_evaluation(
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations/{number}/scenario",
     response_class=Response,
-    responses=scenario_answers(examples.EVALUATION_SCENARIO, 401, 403, 404),
+    responses=scenario_answers(recorded_examples.EVALUATION_SCENARIO, 401, 403, 404),
 )
 def get_scenario(request: Request, context: Context, campaign_id: str, number: Number) -> Response:
     """Returns the scenario of a candidate as a document that can be posted."""
@@ -141,7 +141,7 @@ def get_scenario(request: Request, context: Context, campaign_id: str, number: N
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations/{number}/observations",
     response_class=Response,
-    responses=observations_answers(examples.EVALUATION_FRAME, 401, 403, 404, 406, 422),
+    responses=observations_answers(recorded_examples.EVALUATION_FRAME, 401, 403, 404, 406, 422),
 )
 def get_observations(
     request: Request,
@@ -162,7 +162,7 @@ def get_observations(
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations/{number}/picture",
     response_class=Response,
-    responses=picture_answers(examples.PICTURE, 401, 403, 404, 422, 503),
+    responses=picture_answers(recorded_examples.PICTURE, 401, 403, 404, 422, 503),
 )
 async def get_picture(
     request: Request,
@@ -197,7 +197,7 @@ async def get_picture(
 @router.get(
     "/campaigns/{campaign_id:id}/failures",
     response_model=Page[Failure],
-    responses=answers(examples.FAILURES, 401, 403, 404, 422),
+    responses=answers(recorded_examples.FAILURES, 401, 403, 404, 422),
 )
 def list_failures(
     request: Request,
@@ -236,7 +236,7 @@ def list_failures(
 @router.get(
     "/campaigns/{campaign_id:id}/tables/{table}",
     response_class=Response,
-    responses=table_answers(examples.CAMPAIGN_TABLE, 401, 403, 404, 406, 422),
+    responses=table_answers(recorded_examples.CAMPAIGN_TABLE, 401, 403, 404, 406, 422),
 )
 def get_table(
     request: Request,
@@ -253,7 +253,7 @@ def get_table(
         campaign = transaction.campaigns.get(campaign_id)
 
     def opened() -> Table:
-        from drivora_service.studies.campaign_tables import campaign_table
+        from drivora_service.studies.tables.evaluation_tables import campaign_table
 
         return campaign_table(context.database, campaign_id, table, after=after)
 

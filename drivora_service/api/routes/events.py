@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Depends, Header, Query, Request, Response
 
-from drivora_service.api import examples
-from drivora_service.api.change_feed import feed_of
-from drivora_service.api.documentation import EVENTS, event_answers
-from drivora_service.api.event_stream import HEADERS, EventStream, Wanted
-from drivora_service.api.methods import is_head
+from drivora_service.api.answers.change_feed import feed_of
+from drivora_service.api.answers.event_stream import HEADERS, EventStream, Wanted
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import EVENTS, event_answers
+from drivora_service.api.guards.authorization import is_valid, reader
+from drivora_service.api.guards.method_table import is_head
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.events import EventKind
-from drivora_service.api.security import is_valid, reader
 from drivora_service.errors import UnknownName
-from drivora_service.store.change_lists import ChangedKind
-from drivora_service.store.revisions import read_position
+from drivora_service.store.changes.change_lists import ChangedKind
+from drivora_service.store.changes.revisions import read_position
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
@@ -30,7 +30,7 @@ router = resource_router("events", Depends(reader))
 @router.get(
     "/events",
     response_class=Response,
-    responses=event_answers(examples.EVENTS, 401, 403, 404, 422),
+    responses=event_answers(recorded_examples.EVENTS, 401, 403, 404, 422),
 )
 async def get_events(
     request: Request,

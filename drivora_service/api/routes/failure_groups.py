@@ -7,12 +7,13 @@ from urllib.parse import urlencode
 
 from fastapi import Depends, Query, Request, Response
 
-from drivora_service.api import examples
-from drivora_service.api.conditional import json_answer
+from drivora_service.api.answers.failure_filter import FoundFailures
+from drivora_service.api.answers.query_parameters import Limit, PageToken
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers
-from drivora_service.api.found_filter import FoundFailures
-from drivora_service.api.parameters import Limit, PageToken
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers
+from drivora_service.api.guards.authorization import client_name, reader, submitter
+from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.failure_groups import (
     DecisionRequest,
@@ -22,16 +23,15 @@ from drivora_service.api.schemas.failure_groups import (
     SplitRequest,
     failure_group_of,
 )
-from drivora_service.api.security import client_name, reader, submitter
 from drivora_service.api_paths import PREFIX
-from drivora_service.store.group_records import (
+from drivora_service.store.failures.group_records import (
     GroupFilter,
     GroupStatus,
     NewDecision,
     SinceBaseline,
     group_id,
 )
-from drivora_service.store.records import Page
+from drivora_service.store.runs.run_records import Page
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
@@ -51,7 +51,7 @@ _PART = {"failures": [4, 7], "label": "at the bend", "by": "Ada"}
 @router.get(
     "/failures/groups",
     response_model=Page[FailureGroup],
-    responses=answers(examples.FAILURE_GROUPS, 401, 403, 422),
+    responses=answers(recorded_examples.FAILURE_GROUPS, 401, 403, 422),
     dependencies=[Depends(reader)],
 )
 def list_groups(
@@ -109,7 +109,7 @@ def list_groups(
 @router.get(
     _GROUP,
     response_model=FailureGroup,
-    responses=answers(examples.FAILURE_GROUP, 401, 403, 404),
+    responses=answers(recorded_examples.FAILURE_GROUP, 401, 403, 404),
     dependencies=[Depends(reader)],
 )
 def get_group(request: Request, context: Context, group_id: str) -> Response:
@@ -122,7 +122,7 @@ def get_group(request: Request, context: Context, group_id: str) -> Response:
 @router.get(
     _GROUP + "/changes",
     response_model=GroupChangeList,
-    responses=answers(examples.GROUP_CHANGES, 401, 403, 404),
+    responses=answers(recorded_examples.GROUP_CHANGES, 401, 403, 404),
     dependencies=[Depends(reader)],
 )
 def list_changes(request: Request, context: Context, group_id: str) -> Response:
@@ -135,7 +135,7 @@ def list_changes(request: Request, context: Context, group_id: str) -> Response:
 @router.post(
     _GROUP + ":decide",
     response_model=FailureGroup,
-    responses=answers(examples.FAILURE_GROUP, 401, 403, 404, 409, 413, 422),
+    responses=answers(recorded_examples.FAILURE_GROUP, 401, 403, 404, 409, 413, 422),
     openapi_extra={"requestBody": {"content": {"application/json": {"example": _DECISION}}}},
     dependencies=[Depends(submitter)],
 )
@@ -156,7 +156,7 @@ def decide(
 @router.post(
     "/failures/groups:merge",
     response_model=FailureGroup,
-    responses=answers(examples.FAILURE_GROUP, 401, 403, 404, 409, 413, 422),
+    responses=answers(recorded_examples.FAILURE_GROUP, 401, 403, 404, 409, 413, 422),
     openapi_extra={"requestBody": {"content": {"application/json": {"example": _MERGER}}}},
     dependencies=[Depends(submitter)],
 )
@@ -172,7 +172,7 @@ def merge(request: Request, context: Context, given: MergeRequest) -> FailureGro
 @router.post(
     _GROUP + ":split",
     response_model=FailureGroup,
-    responses=answers(examples.FAILURE_GROUP, 401, 403, 404, 409, 413, 422),
+    responses=answers(recorded_examples.FAILURE_GROUP, 401, 403, 404, 409, 413, 422),
     openapi_extra={"requestBody": {"content": {"application/json": {"example": _PART}}}},
     dependencies=[Depends(submitter)],
 )

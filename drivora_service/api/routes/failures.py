@@ -6,17 +6,17 @@ from typing import Annotated
 
 from fastapi import Depends, Path, Request, Response
 
-from drivora_service.api import examples
-from drivora_service.api.conditional import json_answer
+from drivora_service.api.answers.failure_filter import FoundFailures
+from drivora_service.api.answers.query_parameters import Limit, PageToken
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers
-from drivora_service.api.found_filter import FoundFailures
-from drivora_service.api.parameters import Limit, PageToken
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers
+from drivora_service.api.guards.authorization import reader
+from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.failures import FoundFailure, found_failure_of
-from drivora_service.api.security import reader
 from drivora_service.api_paths import PREFIX
-from drivora_service.store.records import Page
+from drivora_service.store.runs.run_records import Page
 
 router = resource_router("failures", Depends(reader))
 
@@ -24,7 +24,7 @@ router = resource_router("failures", Depends(reader))
 @router.get(
     "/failures",
     response_model=Page[FoundFailure],
-    responses=answers(examples.FOUND_FAILURES, 401, 403, 422),
+    responses=answers(recorded_examples.FOUND_FAILURES, 401, 403, 422),
 )
 def list_failures(
     request: Request,
@@ -44,7 +44,7 @@ def list_failures(
 @router.get(
     "/failures/{number:int}",
     response_model=FoundFailure,
-    responses=answers(examples.FOUND_FAILURE, 401, 403, 404, 422),
+    responses=answers(recorded_examples.FOUND_FAILURE, 401, 403, 404, 422),
 )
 def get_failure(
     request: Request,

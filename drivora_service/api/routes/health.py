@@ -11,17 +11,17 @@ from importlib.metadata import version
 
 from fastapi import APIRouter, Depends, Request, Response
 
-from drivora_service.api import examples
+from drivora_service.api.answers.service_metrics import CONTENT_TYPE, metrics_text
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers, problem_answer
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers, problem_answer
+from drivora_service.api.guards.authorization import reader
 from drivora_service.api.schemas.service import Check, Health, Readiness
-from drivora_service.api.security import reader
-from drivora_service.api.service_metrics import CONTENT_TYPE, metrics_text
 
 router = APIRouter(tags=["service"])
 
 
-@router.get("/healthz", response_model=Health, responses=answers(examples.HEALTH))
+@router.get("/healthz", response_model=Health, responses=answers(recorded_examples.HEALTH))
 async def healthz() -> Health:
     """Answers as long as the process lives."""
     return Health(status="ok", version=_version())
@@ -31,8 +31,12 @@ async def healthz() -> Health:
     "/readyz",
     response_model=Readiness,
     responses={
-        **answers(examples.READINESS),
-        503: {**answers(examples.NOT_READY)[200], "model": Readiness, "description": "Not ready"},
+        **answers(recorded_examples.READINESS),
+        503: {
+            **answers(recorded_examples.NOT_READY)[200],
+            "model": Readiness,
+            "description": "Not ready",
+        },
     },
 )
 async def readyz(context: Context, response: Response) -> Readiness:
@@ -51,7 +55,9 @@ async def readyz(context: Context, response: Response) -> Readiness:
     responses={
         200: {
             "description": "Prometheus text",
-            "content": {"text/plain": {"schema": {"type": "string"}, "example": examples.METRICS}},
+            "content": {
+                "text/plain": {"schema": {"type": "string"}, "example": recorded_examples.METRICS}
+            },
         },
         401: problem_answer(401),
         403: problem_answer(403),

@@ -6,19 +6,26 @@ from typing import TYPE_CHECKING
 
 from fastapi import Depends, Request, Response
 
-from drivora_service.api import bodies, examples
-from drivora_service.api.conditional import json_answer
+from drivora_service.api.answers import request_bodies
+from drivora_service.api.answers.query_parameters import (
+    Filter,
+    Label,
+    Limit,
+    PageToken,
+    RunOverrides,
+)
+from drivora_service.api.answers.submission import Checker, check_overrides, new_run
 from drivora_service.api.context import ApiContext, Context
-from drivora_service.api.documentation import answers, scenario_body
-from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
-from drivora_service.api.parameters import Filter, Label, Limit, PageToken, RunOverrides
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers, scenario_body
+from drivora_service.api.guards.authorization import reader, submitter
+from drivora_service.api.guards.entity_tags import json_answer
+from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.jobs import Job, job_of
-from drivora_service.api.security import reader, submitter
-from drivora_service.api.submission import Checker, check_overrides, new_run
 from drivora_service.api_paths import PREFIX
 from drivora_service.shapes import to_json
-from drivora_service.store.records import Page, RunSummary
+from drivora_service.store.runs.run_records import Page, RunSummary
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
@@ -32,20 +39,20 @@ _POLL_AFTER_S = "1"
     "/jobs",
     status_code=202,
     response_model=Job,
-    responses=answers(examples.QUEUED_JOB, 401, 403, 409, 413, 415, 422, 429, status=202),
-    openapi_extra=scenario_body(examples.SCENARIO),
+    responses=answers(recorded_examples.QUEUED_JOB, 401, 403, 409, 413, 415, 422, 429, status=202),
+    openapi_extra=scenario_body(recorded_examples.SCENARIO),
     dependencies=[Depends(submitter)],
 )
 def post_job(
     request: Request,
     context: Context,
-    body: bodies.RawBody,
+    body: request_bodies.RawBody,
     overrides: RunOverrides,
     label: Label = "",
     idempotency_key: IdempotencyKey = "",
 ) -> Response:
     """Queues a run of the scenario in the body; `Location` is its job."""
-    form = bodies.document_format(request)
+    form = request_bodies.document_format(request)
 
     def prepare() -> Work:
         check_overrides(context, overrides)
@@ -70,7 +77,7 @@ def post_job(
 @router.get(
     "/jobs",
     response_model=Page[RunSummary],
-    responses=answers(examples.JOBS, 401, 403, 422),
+    responses=answers(recorded_examples.JOBS, 401, 403, 422),
     dependencies=[Depends(reader)],
 )
 def list_jobs(
@@ -89,7 +96,7 @@ def list_jobs(
 @router.get(
     "/jobs/{job_id:id}",
     response_model=Job,
-    responses=answers(examples.JOB, 401, 403, 404),
+    responses=answers(recorded_examples.JOB, 401, 403, 404),
     dependencies=[Depends(reader)],
 )
 def get_job(request: Request, context: Context, job_id: str) -> Response:
@@ -106,7 +113,7 @@ def get_job(request: Request, context: Context, job_id: str) -> Response:
     "/jobs/{job_id:id}:cancel",
     status_code=202,
     response_model=Job,
-    responses=answers(examples.CANCELLED_JOB, 401, 403, 404, status=202),
+    responses=answers(recorded_examples.CANCELLED_JOB, 401, 403, 404, status=202),
     dependencies=[Depends(submitter)],
 )
 def cancel_job(context: Context, job_id: str) -> Job:

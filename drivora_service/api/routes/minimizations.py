@@ -6,29 +6,30 @@ from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Body, Depends, Query, Request, Response
 
-from drivora_service.api import bodies, examples
-from drivora_service.api.conditional import json_answer
+from drivora_service.api.answers import request_bodies
+from drivora_service.api.answers.query_parameters import Limit, PageToken
+from drivora_service.api.answers.run_lookup import find_document, find_overrides, find_run
 from drivora_service.api.context import ApiContext, Context
-from drivora_service.api.documentation import answers
-from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
-from drivora_service.api.parameters import Limit, PageToken
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers
+from drivora_service.api.guards.authorization import reader, submitter
+from drivora_service.api.guards.entity_tags import json_answer
+from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.resource_router import resource_router
-from drivora_service.api.run_lookup import find_document, find_overrides, find_run
 from drivora_service.api.schemas.minimizations import (
     Minimization,
     MinimizationRequest,
     minimization_of,
 )
-from drivora_service.api.security import reader, submitter
 from drivora_service.api_paths import PREFIX
 from drivora_service.shapes import to_json
-from drivora_service.store.minimization_records import MinimizationSummary
-from drivora_service.store.records import Page
+from drivora_service.store.minimizations.minimization_records import MinimizationSummary
+from drivora_service.store.runs.run_records import Page
 from drivora_service.suites.minimization.starting import new_minimization
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
-    from drivora_service.store.minimization_records import NewMinimization
+    from drivora_service.store.minimizations.minimization_records import NewMinimization
 
 router = resource_router("minimizations")
 
@@ -42,7 +43,9 @@ _EXAMPLE = {"oracle": "collision", "budget": 200}
     "/runs/{run_id:id}:minimize",
     status_code=202,
     response_model=Minimization,
-    responses=answers(examples.QUEUED_MINIMIZATION, 401, 403, 404, 409, 413, 422, status=202),
+    responses=answers(
+        recorded_examples.QUEUED_MINIMIZATION, 401, 403, 404, 409, 413, 422, status=202
+    ),
     openapi_extra={"requestBody": {"content": {"application/json": {"example": _EXAMPLE}}}},
     dependencies=[Depends(submitter)],
 )
@@ -50,7 +53,7 @@ def minimize_run(
     request: Request,
     context: Context,
     run_id: str,
-    body: bodies.RawBody,
+    body: request_bodies.RawBody,
     given: Annotated[MinimizationRequest | None, Body()] = None,
     idempotency_key: IdempotencyKey = "",
 ) -> Response:
@@ -83,7 +86,7 @@ def minimize_run(
 @router.get(
     "/minimizations",
     response_model=Page[MinimizationSummary],
-    responses=answers(examples.MINIMIZATIONS, 401, 403, 422),
+    responses=answers(recorded_examples.MINIMIZATIONS, 401, 403, 422),
     dependencies=[Depends(reader)],
 )
 def list_minimizations(
@@ -102,7 +105,7 @@ def list_minimizations(
 @router.get(
     "/minimizations/{minimization_id:id}",
     response_model=Minimization,
-    responses=answers(examples.FINISHED_MINIMIZATION, 401, 403, 404),
+    responses=answers(recorded_examples.FINISHED_MINIMIZATION, 401, 403, 404),
     dependencies=[Depends(reader)],
 )
 def get_minimization(request: Request, context: Context, minimization_id: str) -> Response:
@@ -119,7 +122,7 @@ def get_minimization(request: Request, context: Context, minimization_id: str) -
     "/minimizations/{minimization_id:id}:cancel",
     status_code=202,
     response_model=Minimization,
-    responses=answers(examples.CANCELLED_MINIMIZATION, 401, 403, 404, status=202),
+    responses=answers(recorded_examples.CANCELLED_MINIMIZATION, 401, 403, 404, status=202),
     dependencies=[Depends(submitter)],
 )
 def cancel_minimization(context: Context, minimization_id: str) -> Minimization:

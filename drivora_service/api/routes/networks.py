@@ -8,13 +8,15 @@ from typing import Annotated
 import structlog
 from fastapi import Depends, Query, Request, Response
 
-from drivora_service.api import bodies, examples
-from drivora_service.api.compression import compressed_answer
-from drivora_service.api.conditional import JSON, json_answer
+from drivora_service.api.answers import request_bodies
+from drivora_service.api.answers.geometry_json import GEOMETRY_VERSION, geometry_json
+from drivora_service.api.answers.network_imports import Upload
 from drivora_service.api.context import ApiContext, Context
-from drivora_service.api.documentation import answers, network_body
-from drivora_service.api.network_geometry import GEOMETRY_VERSION, geometry_json
-from drivora_service.api.network_imports import Upload
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers, network_body
+from drivora_service.api.guards.authorization import administrator, client_name, reader
+from drivora_service.api.guards.compression import compressed_answer
+from drivora_service.api.guards.entity_tags import JSON, json_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.catalogues import (
     Network,
@@ -22,11 +24,10 @@ from drivora_service.api.schemas.catalogues import (
     NetworkSummary,
 )
 from drivora_service.api.schemas.network_geometry import NetworkGeometry
-from drivora_service.api.security import administrator, client_name, reader
 from drivora_service.api_paths import PREFIX
 from drivora_service.errors import Conflict, NothingStored
+from drivora_service.networks.importing.source_formats import SourceFormat
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.networks.source_formats import SourceFormat
 from drivora_service.shapes import to_json
 
 router = resource_router("networks", Depends(reader))
@@ -51,7 +52,9 @@ _Replace = Annotated[
 ]
 
 
-@router.get("/networks", response_model=NetworkList, responses=answers(examples.NETWORKS, 401, 403))
+@router.get(
+    "/networks", response_model=NetworkList, responses=answers(recorded_examples.NETWORKS, 401, 403)
+)
 def list_networks(request: Request, context: Context) -> Response:
     """Lists the networks, shipped and imported."""
     items = tuple(
@@ -65,8 +68,8 @@ def list_networks(request: Request, context: Context) -> Response:
     "/networks",
     status_code=201,
     response_model=Network,
-    responses=answers(examples.NETWORK, 401, 403, 409, 413, 415, 422, 429, status=201),
-    openapi_extra=network_body(examples.NETWORK_FILE),
+    responses=answers(recorded_examples.NETWORK, 401, 403, 409, 413, 415, 422, 429, status=201),
+    openapi_extra=network_body(recorded_examples.NETWORK_FILE),
     dependencies=[Depends(administrator)],
 )
 async def import_network(
@@ -77,7 +80,7 @@ async def import_network(
     The file is imported by a process of its own, with limits of its memory and time. One network is
     imported at a time. If the client leaves before the answer, nothing is imported.
     """
-    bodies.media_type(request, bodies.XML_TYPES)
+    request_bodies.media_type(request, request_bodies.XML_TYPES)
     upload = Upload(name=name, format=form, replace=replace)
     await context.imports.take(request, upload, lambda: _refuse_use(context, name))
     network = await asyncio.to_thread(context.networks.get, name)
@@ -99,7 +102,7 @@ async def import_network(
 @router.get(
     "/networks/{name:id}",
     response_model=Network,
-    responses=answers(examples.NETWORK, 401, 403, 404),
+    responses=answers(recorded_examples.NETWORK, 401, 403, 404),
 )
 def get_network(request: Request, context: Context, name: str) -> Response:
     """Describes a network."""
@@ -110,7 +113,7 @@ def get_network(request: Request, context: Context, name: str) -> Response:
 @router.get(
     "/networks/{name:id}/geometry",
     response_model=NetworkGeometry,
-    responses=answers(examples.GEOMETRY, 401, 403, 404),
+    responses=answers(recorded_examples.GEOMETRY, 401, 403, 404),
 )
 def get_geometry(request: Request, context: Context, name: str) -> Response:
     """Returns what is needed to draw a network: lanes, junctions, crossings, lights, signs."""

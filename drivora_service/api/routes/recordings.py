@@ -8,28 +8,28 @@ from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Depends, Query, Request, Response
 
-from drivora_service.api import examples
-from drivora_service.api.arrow_answer import ARROW, arrow_answer
-from drivora_service.api.compression import compressed_answer
-from drivora_service.api.conditional import JSON, digest
-from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers, series_answers
-from drivora_service.api.negotiation import accepted_form
-from drivora_service.api.recorded_run import (
+from drivora_service.api.answers.arrow_answer import ARROW, arrow_answer
+from drivora_service.api.answers.recorded_run import (
     ego_of,
     is_driven_by_sumo,
     recorded_run,
     scenario_of,
     view_of,
 )
+from drivora_service.api.context import Context
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers, series_answers
+from drivora_service.api.guards.authorization import reader
+from drivora_service.api.guards.compression import compressed_answer
+from drivora_service.api.guards.entity_tags import JSON, digest
+from drivora_service.api.guards.negotiation import accepted_form
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.perception import Perception
 from drivora_service.api.schemas.series import Series
 from drivora_service.api.schemas.timeline import Timeline
-from drivora_service.api.security import reader
 
 if TYPE_CHECKING:
-    from drivora_service.observations.table_stream import TableStream
+    from drivora_service.observations.trace_files.table_stream import TableStream
 
 router = resource_router("runs", Depends(reader))
 
@@ -39,14 +39,14 @@ EgoRow = Annotated[int, Query(ge=0, le=10**4, description="Row of the ego in the
 @router.get(
     "/runs/{run_id:id}/timeline",
     response_model=Timeline,
-    responses=answers(examples.TIMELINE, 401, 403, 404, 409),
+    responses=answers(recorded_examples.TIMELINE, 401, 403, 404, 409),
 )
 def get_timeline(request: Request, context: Context, run_id: str) -> Response:
     """Returns what happened when in a run: violations, signals, actors, lines of agents' logs."""
     run = recorded_run(context, run_id)
 
     def content() -> bytes:
-        from drivora_service.api.run_timeline import timeline_of
+        from drivora_service.api.answers.run_timeline import timeline_of
 
         return timeline_of(run.record, view_of(context, run)).model_dump_json().encode()
 
@@ -57,7 +57,7 @@ def get_timeline(request: Request, context: Context, run_id: str) -> Response:
 @router.get(
     "/runs/{run_id:id}/series",
     response_model=Series,
-    responses=series_answers(examples.SERIES, 401, 403, 404, 406, 409),
+    responses=series_answers(recorded_examples.SERIES, 401, 403, 404, 406, 409),
 )
 def get_series(request: Request, context: Context, run_id: str, ego: EgoRow = 0) -> Response:
     """Returns values of an ego by step, as oracles and metrics measure them; also as Arrow."""
@@ -67,14 +67,14 @@ def get_series(request: Request, context: Context, run_id: str, ego: EgoRow = 0)
     if form == ARROW:
 
         def table() -> TableStream:
-            from drivora_service.api.run_series import series_table
+            from drivora_service.api.answers.run_series import series_table
 
             return series_table(run_id, ego_of(view_of(context, run), ego))
 
         return arrow_answer(request, table, etag=etag)
 
     def content() -> bytes:
-        from drivora_service.api.run_series import series_json
+        from drivora_service.api.answers.run_series import series_json
 
         return series_json(run_id, ego_of(view_of(context, run), ego))
 
@@ -84,7 +84,7 @@ def get_series(request: Request, context: Context, run_id: str, ego: EgoRow = 0)
 @router.get(
     "/runs/{run_id:id}/perception",
     response_model=Perception,
-    responses=series_answers(examples.PERCEPTION, 401, 403, 404, 406, 409),
+    responses=series_answers(recorded_examples.PERCEPTION, 401, 403, 404, 406, 409),
 )
 def get_perception(request: Request, context: Context, run_id: str, ego: EgoRow = 0) -> Response:
     """Returns what an ego perceived: numbers by step, or with Arrow every actor by step."""
@@ -94,7 +94,7 @@ def get_perception(request: Request, context: Context, run_id: str, ego: EgoRow 
     if form == ARROW:
 
         def table() -> TableStream:
-            from drivora_service.api.run_perception import perception_table
+            from drivora_service.api.answers.run_perception import perception_table
 
             view = ego_of(view_of(context, run), ego)
             by_sumo = is_driven_by_sumo(context, run, view)
@@ -105,7 +105,7 @@ def get_perception(request: Request, context: Context, run_id: str, ego: EgoRow 
         return arrow_answer(request, table, etag=etag)
 
     def content() -> bytes:
-        from drivora_service.api.run_perception import perception_json
+        from drivora_service.api.answers.run_perception import perception_json
 
         view = ego_of(view_of(context, run), ego)
         by_sumo = is_driven_by_sumo(context, run, view)

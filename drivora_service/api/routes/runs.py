@@ -8,30 +8,30 @@ from typing import Annotated
 
 from fastapi import Depends, Query, Request, Response
 
-from drivora_service.api import examples
-from drivora_service.api.conditional import JSON, bytes_answer, digest, json_answer
+from drivora_service.api.answers.query_parameters import Filter, Frames, Limit, PageToken
+from drivora_service.api.answers.recorded_frames import observations_answer
+from drivora_service.api.answers.recorded_run import recorded_run
+from drivora_service.api.answers.run_lookup import find_document, find_overrides, find_run
+from drivora_service.api.answers.run_pictures import Moments, picture_answer
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import (
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import (
     answers,
     observations_answers,
     picture_answers,
     scenario_answers,
 )
-from drivora_service.api.observations import observations_answer
-from drivora_service.api.parameters import Filter, Frames, Limit, PageToken
-from drivora_service.api.pictures import Moments, picture_answer
-from drivora_service.api.recorded_run import recorded_run
+from drivora_service.api.guards.authorization import reader
+from drivora_service.api.guards.entity_tags import JSON, bytes_answer, digest, json_answer
 from drivora_service.api.resource_router import resource_router
-from drivora_service.api.run_lookup import find_document, find_overrides, find_run
 from drivora_service.api.schemas.runs import Run, run_of
-from drivora_service.api.security import reader
 from drivora_service.api_paths import PREFIX
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document
 from drivora_service.scenario.overrides import with_overrides
-from drivora_service.store.records import Page, RunSummary
-from drivora_service.store.run_counts import RunCounts
+from drivora_service.store.runs.run_counts import RunCounts
+from drivora_service.store.runs.run_records import Page, RunSummary
 
 router = resource_router("runs", Depends(reader))
 
@@ -46,7 +46,7 @@ class RunOrder(StrEnum):
 @router.get(
     "/runs",
     response_model=Page[RunSummary],
-    responses=answers(examples.RUNS, 401, 403, 422),
+    responses=answers(recorded_examples.RUNS, 401, 403, 422),
 )
 def list_runs(
     request: Request,
@@ -70,7 +70,7 @@ def list_runs(
 @router.get(
     "/runs:counts",
     response_model=RunCounts,
-    responses=answers(examples.RUN_COUNTS, 401, 403, 422),
+    responses=answers(recorded_examples.RUN_COUNTS, 401, 403, 422),
 )
 def count_runs(request: Request, context: Context, wanted: Filter) -> Response:
     """Counts the runs that pass a filter, and those with each other value of its parts."""
@@ -79,7 +79,9 @@ def count_runs(request: Request, context: Context, wanted: Filter) -> Response:
     return json_answer(request, RunCounts, counts)
 
 
-@router.get("/runs/{run_id:id}", response_model=Run, responses=answers(examples.RUN, 401, 403, 404))
+@router.get(
+    "/runs/{run_id:id}", response_model=Run, responses=answers(recorded_examples.RUN, 401, 403, 404)
+)
 def get_run(request: Request, context: Context, run_id: str) -> Response:
     """Returns a run with its results."""
     with context.database.read() as transaction:
@@ -90,7 +92,7 @@ def get_run(request: Request, context: Context, run_id: str) -> Response:
 @router.get(
     "/runs/{run_id:id}/scenario",
     response_class=Response,
-    responses=scenario_answers(examples.RUN_SCENARIO, 401, 403, 404),
+    responses=scenario_answers(recorded_examples.RUN_SCENARIO, 401, 403, 404),
 )
 def get_scenario(request: Request, context: Context, run_id: str) -> Response:
     """Returns what a run has driven, as a document that can be posted again."""
@@ -105,7 +107,7 @@ def get_scenario(request: Request, context: Context, run_id: str) -> Response:
 @router.get(
     "/runs/{run_id:id}/observations",
     response_class=Response,
-    responses=observations_answers(examples.FRAME, 401, 403, 404, 406, 422),
+    responses=observations_answers(recorded_examples.FRAME, 401, 403, 404, 406, 422),
 )
 def get_observations(
     request: Request,
@@ -121,7 +123,7 @@ def get_observations(
 @router.get(
     "/runs/{run_id:id}/picture",
     response_class=Response,
-    responses=picture_answers(examples.PICTURE, 401, 403, 404, 422, 503),
+    responses=picture_answers(recorded_examples.PICTURE, 401, 403, 404, 422, 503),
 )
 async def get_picture(
     request: Request, context: Context, run_id: str, moments: Moments = 5

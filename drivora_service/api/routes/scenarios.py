@@ -6,18 +6,19 @@ import hashlib
 
 from fastapi import Depends, Request, Response
 
-from drivora_service.api import bodies, examples
-from drivora_service.api.conditional import json_answer
+from drivora_service.api.answers import request_bodies
+from drivora_service.api.answers.catalogue_lookups import KnownAgents, KnownNetworks
+from drivora_service.api.answers.query_parameters import RunOverrides
+from drivora_service.api.answers.submission import Checker, check_overrides
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers, scenario_body
-from drivora_service.api.lookups import KnownAgents, KnownNetworks
-from drivora_service.api.parameters import RunOverrides
-from drivora_service.api.problems import problem_items
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers, scenario_body
+from drivora_service.api.guards.authorization import reader, submitter
+from drivora_service.api.guards.entity_tags import json_answer
+from drivora_service.api.problem_details import problem_items
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.catalogues import ExampleScenario, ExampleScenarioList
 from drivora_service.api.schemas.service import InspectedActor, Inspection, Validation
-from drivora_service.api.security import reader, submitter
-from drivora_service.api.submission import Checker, check_overrides
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.shipped import shipped_scenarios
 
@@ -27,15 +28,15 @@ router = resource_router("scenarios")
 @router.post(
     "/scenarios:validate",
     response_model=Validation,
-    responses=answers(examples.VALIDATION, 401, 403, 413, 415, 422),
-    openapi_extra=scenario_body(examples.SCENARIO),
+    responses=answers(recorded_examples.VALIDATION, 401, 403, 413, 415, 422),
+    openapi_extra=scenario_body(recorded_examples.SCENARIO),
     dependencies=[Depends(submitter)],
 )
 def validate_scenario(
-    request: Request, context: Context, body: bodies.RawBody, overrides: RunOverrides
+    request: Request, context: Context, body: request_bodies.RawBody, overrides: RunOverrides
 ) -> Validation:
     """Checks a scenario as posting it would, and answers with the same problems."""
-    form = bodies.document_format(request)
+    form = request_bodies.document_format(request)
     check_overrides(context, overrides)
     valid = Checker(context, overrides).validated(body, form)
     text = canonical_json(valid.scenario)
@@ -52,16 +53,18 @@ def validate_scenario(
 @router.post(
     "/scenarios:inspect",
     response_model=Inspection,
-    responses=answers(examples.INSPECTION, 401, 403, 413, 415, 422),
-    openapi_extra=scenario_body(examples.SCENARIO),
+    responses=answers(recorded_examples.INSPECTION, 401, 403, 413, 415, 422),
+    openapi_extra=scenario_body(recorded_examples.SCENARIO),
     dependencies=[Depends(reader)],
 )
-def inspect_scenario(request: Request, context: Context, body: bodies.RawBody) -> Inspection:
+def inspect_scenario(
+    request: Request, context: Context, body: request_bodies.RawBody
+) -> Inspection:
     """Returns the problems of a scenario, and its actors with their ways, valid or not."""
     # Imported here: it needs the compiler of kernels.
     from drivora_service.scenario.inspection import inspect_data
 
-    form = bodies.document_format(request)
+    form = request_bodies.document_format(request)
     agents = KnownAgents(context.agents.availability())
     found = inspect_data(body, KnownNetworks(context.networks), agents, form)
     return Inspection(
@@ -90,7 +93,7 @@ def inspect_scenario(request: Request, context: Context, body: bodies.RawBody) -
 @router.get(
     "/scenarios:examples",
     response_model=ExampleScenarioList,
-    responses=answers(examples.EXAMPLE_SCENARIOS, 401, 403),
+    responses=answers(recorded_examples.EXAMPLE_SCENARIOS, 401, 403),
     dependencies=[Depends(reader)],
 )
 def list_examples(request: Request) -> Response:

@@ -8,14 +8,14 @@ from typing import Literal, NoReturn
 
 from fastapi import FastAPI, Request, Response
 
-from drivora_service.api import examples
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers, no_content
-from drivora_service.api.problems import ApiError
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers, no_content
+from drivora_service.api.guards.api_tokens import Scope
+from drivora_service.api.guards.page_sessions import COOKIE, LIFETIME, session_secret, token_of
+from drivora_service.api.problem_details import ApiError
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.sessions import SessionRequest, SessionState
-from drivora_service.api.sessions import COOKIE, LIFETIME, session_secret, token_of
-from drivora_service.api.tokens import Scope
 
 router = resource_router("session")
 
@@ -68,7 +68,7 @@ async def begin_session(request: Request, context: Context, given: SessionReques
     return response
 
 
-@router.get("/session", response_model=SessionState, responses=answers(examples.SESSION))
+@router.get("/session", response_model=SessionState, responses=answers(recorded_examples.SESSION))
 async def get_session(request: Request, context: Context, response: Response) -> SessionState:
     """Returns what the client may do, also to one without a token."""
     response.headers.update(_NOT_STORED)

@@ -6,12 +6,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from fastapi import Depends, Query, Request, Response
 
-from drivora_service.api import bodies, examples
-from drivora_service.api.conditional import json_answer
+from drivora_service.api.answers import request_bodies
+from drivora_service.api.answers.query_parameters import Limit, PageToken, Points
+from drivora_service.api.answers.table_answer import Columns, table_answer
 from drivora_service.api.context import ApiContext, Context
-from drivora_service.api.documentation import answers, study_body, table_answers
-from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
-from drivora_service.api.parameters import Limit, PageToken, Points
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers, study_body, table_answers
+from drivora_service.api.guards.authorization import reader, submitter
+from drivora_service.api.guards.entity_tags import json_answer
+from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.studies import (
     Study,
@@ -20,22 +23,20 @@ from drivora_service.api.schemas.studies import (
     study_in_list,
     study_of,
 )
-from drivora_service.api.security import reader, submitter
-from drivora_service.api.table_answer import Columns, table_answer
 from drivora_service.api_paths import PREFIX
 from drivora_service.shapes import to_json
-from drivora_service.store.campaign_records import CampaignRequest
-from drivora_service.store.records import Page
-from drivora_service.studies.comparison import measure
-from drivora_service.studies.discoveries import StudyBands, study_bands
-from drivora_service.studies.storing import stop_study, store_study
-from drivora_service.studies.study_comparison import StudyComparison, compare_study
+from drivora_service.store.campaigns.campaign_records import CampaignRequest
+from drivora_service.store.runs.run_records import Page
+from drivora_service.studies.comparison.campaign_measures import measure
+from drivora_service.studies.comparison.discovery_curves import StudyBands, study_bands
+from drivora_service.studies.comparison.study_comparison import StudyComparison, compare_study
+from drivora_service.studies.study_storing import stop_study, store_study
 from drivora_service.studies.table_names import TableName
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
-    from drivora_service.studies.reading import ValidStudy
-    from drivora_service.studies.table_forms import Table
+    from drivora_service.studies.study_reading import ValidStudy
+    from drivora_service.studies.tables.table_forms import Table
 
 router = resource_router("studies")
 
@@ -51,18 +52,18 @@ Names = Annotated[
     "/studies",
     status_code=202,
     response_model=Study,
-    responses=answers(examples.QUEUED_STUDY, 401, 403, 409, 413, 415, 422, status=202),
-    openapi_extra=study_body(examples.STUDY),
+    responses=answers(recorded_examples.QUEUED_STUDY, 401, 403, 409, 413, 415, 422, status=202),
+    openapi_extra=study_body(recorded_examples.STUDY),
     dependencies=[Depends(submitter)],
 )
 def post_study(
     request: Request,
     context: Context,
-    body: bodies.RawBody,
+    body: request_bodies.RawBody,
     idempotency_key: IdempotencyKey = "",
 ) -> Response:
     """Queues the campaigns of the study in the body; `Location` is its address."""
-    form = bodies.document_format(request)
+    form = request_bodies.document_format(request)
 
     def prepare() -> Work:
         valid = _read_document(context, body, form)
@@ -83,13 +84,15 @@ def post_study(
 @router.post(
     "/studies:validate",
     response_model=StudyValidation,
-    responses=answers(examples.STUDY_VALIDATION, 401, 403, 413, 415, 422),
-    openapi_extra=study_body(examples.STUDY),
+    responses=answers(recorded_examples.STUDY_VALIDATION, 401, 403, 413, 415, 422),
+    openapi_extra=study_body(recorded_examples.STUDY),
     dependencies=[Depends(submitter)],
 )
-def validate_study(request: Request, context: Context, body: bodies.RawBody) -> StudyValidation:
+def validate_study(
+    request: Request, context: Context, body: request_bodies.RawBody
+) -> StudyValidation:
     """Checks a study as posting it would, and answers with the same problems."""
-    valid = _read_document(context, body, bodies.document_format(request))
+    valid = _read_document(context, body, request_bodies.document_format(request))
     document = valid.document
     return StudyValidation(
         valid=True,
@@ -107,7 +110,7 @@ def validate_study(request: Request, context: Context, body: bodies.RawBody) -> 
 @router.get(
     "/studies",
     response_model=Page[StudyInList],
-    responses=answers(examples.STUDIES, 401, 403, 422),
+    responses=answers(recorded_examples.STUDIES, 401, 403, 422),
     dependencies=[Depends(reader)],
 )
 def list_studies(
@@ -127,7 +130,7 @@ def list_studies(
 @router.get(
     "/studies/{study_id:id}",
     response_model=Study,
-    responses=answers(examples.FINISHED_STUDY, 401, 403, 404),
+    responses=answers(recorded_examples.FINISHED_STUDY, 401, 403, 404),
     dependencies=[Depends(reader)],
 )
 def get_study(request: Request, context: Context, study_id: str) -> Response:
@@ -144,7 +147,7 @@ def get_study(request: Request, context: Context, study_id: str) -> Response:
     "/studies/{study_id:id}:pause",
     status_code=202,
     response_model=Study,
-    responses=answers(examples.PAUSED_STUDY, 401, 403, 404, 409, status=202),
+    responses=answers(recorded_examples.PAUSED_STUDY, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def pause_study(context: Context, study_id: str) -> Study:
@@ -156,7 +159,7 @@ def pause_study(context: Context, study_id: str) -> Study:
     "/studies/{study_id:id}:cancel",
     status_code=202,
     response_model=Study,
-    responses=answers(examples.CANCELLED_STUDY, 401, 403, 404, 409, status=202),
+    responses=answers(recorded_examples.CANCELLED_STUDY, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def cancel_study(context: Context, study_id: str) -> Study:
@@ -168,7 +171,7 @@ def cancel_study(context: Context, study_id: str) -> Study:
     "/studies/{study_id:id}:resume",
     status_code=202,
     response_model=Study,
-    responses=answers(examples.RESUMED_STUDY, 401, 403, 404, 409, status=202),
+    responses=answers(recorded_examples.RESUMED_STUDY, 401, 403, 404, 409, status=202),
     dependencies=[Depends(submitter)],
 )
 def resume_study(context: Context, study_id: str) -> Study:
@@ -180,7 +183,7 @@ def resume_study(context: Context, study_id: str) -> Study:
 @router.get(
     "/studies/{study_id:id}/comparison",
     response_model=StudyComparison,
-    responses=answers(examples.STUDY_COMPARISON, 401, 403, 404, 409, 422),
+    responses=answers(recorded_examples.STUDY_COMPARISON, 401, 403, 404, 409, 422),
     dependencies=[Depends(reader)],
 )
 def get_comparison(
@@ -218,7 +221,7 @@ def get_comparison(
 @router.get(
     "/studies/{study_id:id}/bands",
     response_model=StudyBands,
-    responses=answers(examples.STUDY_BANDS, 401, 403, 404, 422),
+    responses=answers(recorded_examples.STUDY_BANDS, 401, 403, 404, 422),
     dependencies=[Depends(reader)],
 )
 def get_bands(
@@ -245,7 +248,7 @@ def get_bands(
 @router.get(
     "/studies/{study_id:id}/tables/{table}",
     response_class=Response,
-    responses=table_answers(examples.STUDY_TABLE, 401, 403, 404, 406, 422),
+    responses=table_answers(recorded_examples.STUDY_TABLE, 401, 403, 404, 406, 422),
     dependencies=[Depends(reader)],
 )
 def get_table(
@@ -260,7 +263,7 @@ def get_table(
         study = transaction.studies.get(study_id)
 
     def opened() -> Table:
-        from drivora_service.studies.tables import study_table
+        from drivora_service.studies.tables.study_tables import study_table
 
         return study_table(context.database, study_id, table)
 
@@ -269,7 +272,7 @@ def get_table(
 
 def _read_document(context: ApiContext, body: bytes, form: Literal["json", "yaml"]) -> ValidStudy:
     # Imported here: it needs the code of all agents, oracles and testers.
-    from drivora_service.studies.reading import read_study
+    from drivora_service.studies.study_reading import read_study
 
     return read_study(body, context.catalogues, form)
 

@@ -6,19 +6,20 @@ from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Depends, Query, Request, Response
 
-from drivora_service.api import bodies, examples
-from drivora_service.api.conditional import json_answer
+from drivora_service.api.answers import request_bodies
+from drivora_service.api.answers.query_parameters import Limit, PageToken
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import answers
-from drivora_service.api.idempotency import Answer, IdempotencyKey, Work, done_once
-from drivora_service.api.parameters import Limit, PageToken
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import answers
+from drivora_service.api.guards.authorization import reader, submitter
+from drivora_service.api.guards.entity_tags import json_answer
+from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, done_once
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.suites import SuiteList, SuiteRunRequest
-from drivora_service.api.security import reader, submitter
 from drivora_service.api_paths import PREFIX
 from drivora_service.shapes import to_json
-from drivora_service.store.records import Page
-from drivora_service.store.suite_records import SuiteHistory, SuiteRunRecord, SuiteRunSummary
+from drivora_service.store.runs.run_records import Page
+from drivora_service.store.suites.suite_records import SuiteHistory, SuiteRunRecord, SuiteRunSummary
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Transaction
@@ -32,7 +33,7 @@ _AgentName = Annotated[str, Query(max_length=200, description="Driven by this ag
 @router.get(
     "/suites",
     response_model=SuiteList,
-    responses=answers(examples.SUITES, 401, 403),
+    responses=answers(recorded_examples.SUITES, 401, 403),
     dependencies=[Depends(reader)],
 )
 def list_suites(request: Request, context: Context) -> Response:
@@ -45,7 +46,7 @@ def list_suites(request: Request, context: Context) -> Response:
 @router.get(
     "/suites:history",
     response_model=SuiteHistory,
-    responses=answers(examples.SUITE_HISTORY, 401, 403, 404, 422),
+    responses=answers(recorded_examples.SUITE_HISTORY, 401, 403, 404, 422),
     dependencies=[Depends(reader)],
 )
 def suite_history(
@@ -65,16 +66,18 @@ def suite_history(
     "/suite-runs",
     status_code=201,
     response_model=SuiteRunRecord,
-    responses=answers(examples.SUITE_RUN, 401, 403, 409, 413, 422, status=201),
+    responses=answers(recorded_examples.SUITE_RUN, 401, 403, 409, 413, 422, status=201),
     openapi_extra={
-        "requestBody": {"content": {"application/json": {"example": examples.SUITE_RUN_REQUEST}}}
+        "requestBody": {
+            "content": {"application/json": {"example": recorded_examples.SUITE_RUN_REQUEST}}
+        }
     },
     dependencies=[Depends(submitter)],
 )
 def post_suite_run(
     request: Request,
     context: Context,
-    body: bodies.RawBody,
+    body: request_bodies.RawBody,
     given: SuiteRunRequest,
     idempotency_key: IdempotencyKey = "",
 ) -> Response:
@@ -98,7 +101,7 @@ def post_suite_run(
 @router.get(
     "/suite-runs",
     response_model=Page[SuiteRunSummary],
-    responses=answers(examples.SUITE_RUNS, 401, 403, 422),
+    responses=answers(recorded_examples.SUITE_RUNS, 401, 403, 422),
     dependencies=[Depends(reader)],
 )
 def list_suite_runs(
@@ -120,7 +123,7 @@ def list_suite_runs(
 @router.get(
     "/suite-runs/{suite_run_id:id}",
     response_model=SuiteRunRecord,
-    responses=answers(examples.SUITE_RUN, 401, 403, 404),
+    responses=answers(recorded_examples.SUITE_RUN, 401, 403, 404),
     dependencies=[Depends(reader)],
 )
 def get_suite_run(request: Request, context: Context, suite_run_id: str) -> Response:

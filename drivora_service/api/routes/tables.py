@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING
 
 from fastapi import Depends, Request, Response
 
-from drivora_service.api import examples
+from drivora_service.api.answers.query_parameters import Results
+from drivora_service.api.answers.table_answer import Columns, table_answer
 from drivora_service.api.context import Context
-from drivora_service.api.documentation import table_answers
-from drivora_service.api.parameters import Results
+from drivora_service.api.documentation import recorded_examples
+from drivora_service.api.documentation.openapi import table_answers
+from drivora_service.api.guards.authorization import reader
 from drivora_service.api.resource_router import resource_router
-from drivora_service.api.security import reader
-from drivora_service.api.table_answer import Columns, table_answer
-from drivora_service.studies.choosing import campaign_ids
+from drivora_service.studies.campaign_lookup import campaign_ids
 from drivora_service.studies.table_names import ResultTableName
 
 if TYPE_CHECKING:
-    from drivora_service.studies.table_forms import Table
+    from drivora_service.studies.tables.table_forms import Table
 
 router = resource_router("tables", Depends(reader))
 
@@ -26,7 +26,7 @@ router = resource_router("tables", Depends(reader))
 @router.get(
     "/tables/{table}",
     response_class=Response,
-    responses=table_answers(examples.RESULT_TABLE, 401, 403, 404, 406, 422),
+    responses=table_answers(recorded_examples.RESULT_TABLE, 401, 403, 404, 406, 422),
 )
 def get_table(
     request: Request,
@@ -42,7 +42,7 @@ def get_table(
     """
 
     def opened() -> Table:
-        from drivora_service.studies.result_tables import result_table
+        from drivora_service.studies.tables.result_tables import result_table
 
         ids = campaign_ids(context.database, wanted.campaign_ids)
         return result_table(context.database, table, replace(wanted, campaign_ids=ids))

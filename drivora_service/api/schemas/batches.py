@@ -12,8 +12,8 @@ from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.problems import ProblemItem
 from drivora_service.scenario import fields
 from drivora_service.shapes import Shape, combine
-from drivora_service.store import records
-from drivora_service.store.records import LONGEST_LABEL
+from drivora_service.store.runs import run_records
+from drivora_service.store.runs.run_records import LONGEST_LABEL
 
 
 class LabelledScenario(Schema):
@@ -27,7 +27,7 @@ class LabelledScenario(Schema):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Batch(records.Batch):
+class Batch(run_records.Batch):
     """A batch and its progress.
 
     Attributes:
@@ -73,6 +73,6 @@ class BatchSubmission(Shape):
     items: tuple[BatchItem, ...]
 
 
-def batch_of(batch: records.Batch, base: str) -> Batch:
+def batch_of(batch: run_records.Batch, base: str) -> Batch:
     """Returns a batch with the address of its jobs; ``base`` is the address of the API."""
     return combine(Batch, batch, jobs_url=f"{base}/jobs?batch={batch.id}")

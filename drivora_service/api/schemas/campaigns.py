@@ -9,15 +9,15 @@ from typing import Any
 from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.runs.report import RunFailure, RunStatus
+from drivora_service.runs.run_report import RunFailure, RunStatus
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.search.genes import GeneKind, GeneSpace, Part
 from drivora_service.search.space.presets import PRESETS, SpacePreset
 from drivora_service.shapes import combine
-from drivora_service.store import campaign_records
-from drivora_service.store.campaign_records import (
+from drivora_service.store.campaigns import campaign_records
+from drivora_service.store.campaigns.campaign_records import (
     CampaignRecord,
     EvaluationRecord,
     EvaluationSummary,

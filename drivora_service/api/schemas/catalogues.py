@@ -10,12 +10,12 @@ from typing import Any
 from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
-from drivora_service.oracles.descriptions import (
+from drivora_service.oracles.oracle_descriptions import (
     MeasureDescription,
     ThresholdDescription,
     ViolatedBy,
 )
-from drivora_service.scenario.actor_models import ActorKind, VehicleClass
+from drivora_service.scenario.models.actor_models import ActorKind, VehicleClass
 
 
 class ExampleScenario(Schema):

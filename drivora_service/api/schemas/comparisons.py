@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drivora_service.shapes import Shape
-from drivora_service.studies.figures import CampaignFigures
+from drivora_service.studies.campaign_figures import CampaignFigures
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from drivora_service.shapes import Shape
-from drivora_service.store.change_lists import Change, ChangedKind
+from drivora_service.store.changes.change_lists import Change, ChangedKind
 
 
 class EventKind(StrEnum):

@@ -10,8 +10,8 @@ from pydantic import Field
 from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.failures import FoundFailure, found_failure_of
 from drivora_service.shapes import Shape, combine
-from drivora_service.store import group_records
-from drivora_service.store.group_records import (
+from drivora_service.store.failures import group_records
+from drivora_service.store.failures.group_records import (
     LONGEST_LABEL,
     LONGEST_NOTE,
     LONGEST_PERSON,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drivora_service.shapes import combine
-from drivora_service.store import found_records
+from drivora_service.store.failures import failure_records
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FoundFailure(found_records.FoundFailure):
+class FoundFailure(failure_records.FoundFailure):
     """A failure of a campaign, or a violation that counts of a run outside campaigns.
 
     Attributes:
@@ -24,7 +24,7 @@ class FoundFailure(found_records.FoundFailure):
     picture_url: str
 
 
-def found_failure_of(failure: found_records.FoundFailure, base: str) -> FoundFailure:
+def found_failure_of(failure: failure_records.FoundFailure, base: str) -> FoundFailure:
     """Returns a failure with its addresses; ``base`` is the address of the API."""
     run = f"{base}/runs/{failure.run_id}"
     evaluation = f"{base}/campaigns/{failure.campaign_id}/evaluations/{failure.evaluation}"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from drivora_service.runs.report import RunFailure
+from drivora_service.runs.run_report import RunFailure
 from drivora_service.shapes import combine
-from drivora_service.store.records import RunRecord, RunSummary
+from drivora_service.store.runs.run_records import RunRecord, RunSummary
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

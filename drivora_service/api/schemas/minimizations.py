@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
-from drivora_service.oracles.failure_identity import DEFAULT_RADIUS_M
+from drivora_service.oracles.verdicts.failure_identity import DEFAULT_RADIUS_M
 from drivora_service.shapes import combine
-from drivora_service.store.minimization_records import MinimizationRecord
+from drivora_service.store.minimizations.minimization_records import MinimizationRecord
 from drivora_service.suites.minimization.starting import DEFAULT_BUDGET
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drivora_service.shapes import combine
-from drivora_service.store.records import RunRecord
+from drivora_service.store.runs.run_records import RunRecord
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.problems import ProblemItem
-from drivora_service.scenario.actor_models import ActorKind
+from drivora_service.scenario.models.actor_models import ActorKind
 
 
 class Validation(Schema):

@@ -8,7 +8,12 @@ from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
 from drivora_service.shapes import combine
-from drivora_service.store.study_records import StudyRecord, StudyState, StudySummary, state_of
+from drivora_service.store.campaigns.study_records import (
+    StudyRecord,
+    StudyState,
+    StudySummary,
+    state_of,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

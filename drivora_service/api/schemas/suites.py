@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from drivora_service.api.schemas.base import Schema
 from drivora_service.shapes import Shape
-from drivora_service.store.suite_records import SuiteDecision, SuiteOutcome, SuiteSummary
+from drivora_service.store.suites.suite_records import SuiteDecision, SuiteOutcome, SuiteSummary
 
 MOST_SCENARIOS = 20_000
 """Of a suite that is told."""

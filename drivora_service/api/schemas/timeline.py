@@ -6,8 +6,8 @@ from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
 from drivora_service.observations.trace import Role, TerminalEvent
-from drivora_service.oracles.accountability import Accountability
 from drivora_service.oracles.verdict import Answer, Severity
+from drivora_service.oracles.verdicts.accountability import Accountability
 
 
 class StepSpan(Schema):

@@ -7,7 +7,7 @@ from datetime import datetime
 from enum import StrEnum
 
 from drivora_service.shapes import Shape
-from drivora_service.store.records import QueueLoad
+from drivora_service.store.runs.run_records import QueueLoad
 
 
 class SlotActivity(StrEnum):

@@ -19,7 +19,7 @@ from drivora_service.client.call import (
     post,
 )
 from drivora_service.client.calls.runs import observation_query
-from drivora_service.observations.trace_rows import TraceRows
+from drivora_service.observations.trace_files.trace_rows import TraceRows
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.campaigns import (
@@ -30,16 +30,16 @@ if TYPE_CHECKING:
         SpacePresetList,
     )
     from drivora_service.api.schemas.comparisons import Figures
-    from drivora_service.store.campaign_records import (
+    from drivora_service.store.campaigns.campaign_records import (
         CampaignState,
         CampaignSummary,
         EvaluationFilter,
         EvaluationSummary,
         FailureFilter,
     )
-    from drivora_service.studies.comparing import Comparison
-    from drivora_service.studies.coverage_values import CampaignCoverage
-    from drivora_service.studies.discoveries import CampaignDiscoveries
+    from drivora_service.studies.comparison.campaign_comparison import Comparison
+    from drivora_service.studies.comparison.discovery_curves import CampaignDiscoveries
+    from drivora_service.studies.coverage.coverage_values import CampaignCoverage
     from drivora_service.studies.table_names import CampaignTableName, TableForm
 
 _CAMPAIGN = f"{PREFIX}/campaigns/{{campaign_id}}"
@@ -92,7 +92,7 @@ def campaigns(
         study_id: Study of the campaigns; "": any, or none.
         limit: How many at most; ``None``: all.
     """
-    from drivora_service.store.campaign_records import CampaignSummary
+    from drivora_service.store.campaigns.campaign_records import CampaignSummary
 
     query = {"state": sorted(states), "study": study_id}
     return listing(f"{PREFIX}/campaigns", CampaignSummary, limit, query=query)
@@ -140,7 +140,7 @@ def evaluations(
     limit: int | None = None,
 ) -> Listing[EvaluationSummary]:
     """Returns what a campaign has evaluated; at most ``limit``."""
-    from drivora_service.store.campaign_records import EvaluationFilter, EvaluationSummary
+    from drivora_service.store.campaigns.campaign_records import EvaluationFilter, EvaluationSummary
 
     wanted = wanted or EvaluationFilter()
     query = {
@@ -262,7 +262,7 @@ def failures(
 ) -> Listing[Failure]:
     """Returns the failures of a campaign in the order of their evaluations; at most ``limit``."""
     from drivora_service.api.schemas.campaigns import Failure
-    from drivora_service.store.campaign_records import FailureFilter
+    from drivora_service.store.campaigns.campaign_records import FailureFilter
 
     wanted = wanted or FailureFilter()
     query = {
@@ -287,7 +287,7 @@ def coverage(campaign_id: str) -> Call[CampaignCoverage]:
 
     Ask again while ``counted`` is less than ``evaluations``.
     """
-    from drivora_service.studies.coverage_values import CampaignCoverage
+    from drivora_service.studies.coverage.coverage_values import CampaignCoverage
 
     return get(f"{_CAMPAIGN}/coverage", CampaignCoverage, campaign_id=campaign_id)
 
@@ -302,7 +302,7 @@ def discoveries(
         points: Greatest number of points of a curve; ``None``: as the service has it.
         kinds: Greatest number of kinds with a curve; ``None``: as the service has it.
     """
-    from drivora_service.studies.discoveries import CampaignDiscoveries
+    from drivora_service.studies.comparison.discovery_curves import CampaignDiscoveries
 
     return get(
         f"{_CAMPAIGN}/discoveries",
@@ -327,7 +327,7 @@ def compare_campaigns(
         measures: Names of what they are compared by; empty: all.
         equal_time: Count what each had done after the time that the shortest one took.
     """
-    from drivora_service.studies.comparing import Comparison
+    from drivora_service.studies.comparison.campaign_comparison import Comparison
 
     query = {
         "campaign": tuple(campaigns),

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.network_geometry import NetworkGeometry
     from drivora_service.api.schemas.service import Health, Readiness
     from drivora_service.api.schemas.workers import Workers
-    from drivora_service.networks.source_formats import SourceFormat
+    from drivora_service.networks.importing.source_formats import SourceFormat
 
 _IMPORT_S = 180.0
 """Seconds for an import, which a service ends after two minutes."""
@@ -68,7 +68,7 @@ def import_network(
         NetworkError: The name of the file tells no format.
     """
     from drivora_service.api.schemas.catalogues import Network
-    from drivora_service.networks.source_formats import format_of
+    from drivora_service.networks.importing.source_formats import format_of
 
     return Call(
         method="POST",

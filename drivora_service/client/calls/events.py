@@ -10,7 +10,7 @@ from drivora_service.client.call import Call, get
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.events import EventKind
-    from drivora_service.store.change_lists import ChangedKind
+    from drivora_service.store.changes.change_lists import ChangedKind
 
 
 def events(

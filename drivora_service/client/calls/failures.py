@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
     from drivora_service.api.schemas.failure_groups import FailureGroup, GroupChangeList
     from drivora_service.api.schemas.failures import FoundFailure
-    from drivora_service.store.found_records import FoundFilter
-    from drivora_service.store.group_records import GroupStatus, SinceBaseline
+    from drivora_service.store.failures.failure_records import FoundFilter
+    from drivora_service.store.failures.group_records import GroupStatus, SinceBaseline
 
 _GROUPS = f"{PREFIX}/failures/groups"
 _GROUP = f"{_GROUPS}/{{group_id}}"
@@ -151,7 +151,7 @@ def split_group(
 
 
 def _query(wanted: FoundFilter | None) -> Query:
-    from drivora_service.store.found_records import FoundFilter
+    from drivora_service.store.failures.failure_records import FoundFilter
 
     wanted = wanted or FoundFilter()
     return {

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.batches import Batch, BatchSubmission
     from drivora_service.api.schemas.jobs import Job
     from drivora_service.api.schemas.service import Inspection, Validation
-    from drivora_service.store.records import JobFilter, Priority, RunSummary
-    from drivora_service.suites.counted import Counted
-    from drivora_service.suites.paired.comparison import BatchComparison
-    from drivora_service.suites.paired.counting import Unfinished
+    from drivora_service.store.runs.run_records import JobFilter, Priority, RunSummary
+    from drivora_service.suites.gate.counted_failures import Counted
+    from drivora_service.suites.paired.batch_comparison import BatchComparison
+    from drivora_service.suites.paired.failure_rules import Unfinished
 
 
 def validate_scenario(
@@ -118,7 +118,7 @@ def post_job(
 
 def jobs(wanted: JobFilter | None = None, *, limit: int | None = None) -> Listing[RunSummary]:
     """Returns jobs, newest first; at most ``limit``."""
-    from drivora_service.store.records import RunSummary
+    from drivora_service.store.runs.run_records import RunSummary
 
     return listing(f"{PREFIX}/jobs", RunSummary, limit, query=job_query(wanted))
 
@@ -212,7 +212,7 @@ def compare_batches(
         metrics: Metrics to compare, and to show of each run; empty: all are compared, and the
             driving score is shown.
     """
-    from drivora_service.suites.paired.comparison import BatchComparison
+    from drivora_service.suites.paired.batch_comparison import BatchComparison
 
     query = {
         "a": a,
@@ -242,7 +242,7 @@ def resume_batch(batch_id: str) -> Call[Batch]:
 
 def job_query(wanted: JobFilter | None) -> Query:
     """Returns the parameters that ask for jobs or runs."""
-    from drivora_service.store.records import JobFilter
+    from drivora_service.store.runs.run_records import JobFilter
 
     wanted = wanted or JobFilter()
     return {

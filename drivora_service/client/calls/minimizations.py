@@ -10,7 +10,7 @@ from drivora_service.client.call import Call, Listing, act, get, listing, post
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.minimizations import Minimization
-    from drivora_service.store.minimization_records import MinimizationSummary
+    from drivora_service.store.minimizations.minimization_records import MinimizationSummary
 
 _MINIMIZATION = f"{PREFIX}/minimizations/{{minimization_id}}"
 
@@ -53,7 +53,7 @@ def minimizations(*, run_id: str = "", limit: int | None = None) -> Listing[Mini
         run_id: Only those of this run; "": of any.
         limit: How many at most; ``None``: all.
     """
-    from drivora_service.store.minimization_records import MinimizationSummary
+    from drivora_service.store.minimizations.minimization_records import MinimizationSummary
 
     return listing(f"{PREFIX}/minimizations", MinimizationSummary, limit, query={"run": run_id})
 

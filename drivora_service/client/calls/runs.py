@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 from drivora_service.api_paths import PREFIX
 from drivora_service.client.call import Call, Listing, ObservationForm, Query, get, listing
 from drivora_service.client.calls.jobs import job_query
-from drivora_service.observations.trace_rows import TraceRows
+from drivora_service.observations.trace_files.trace_rows import TraceRows
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.perception import Perception
     from drivora_service.api.schemas.runs import Run
     from drivora_service.api.schemas.series import Series
     from drivora_service.api.schemas.timeline import Timeline
-    from drivora_service.store.records import JobFilter, RunSummary
-    from drivora_service.store.run_counts import RunCounts
+    from drivora_service.store.runs.run_counts import RunCounts
+    from drivora_service.store.runs.run_records import JobFilter, RunSummary
 
 
 def runs(
@@ -29,7 +29,7 @@ def runs(
         oldest_first: Whether the oldest come first.
         limit: How many at most; ``None``: all.
     """
-    from drivora_service.store.records import RunSummary
+    from drivora_service.store.runs.run_records import RunSummary
 
     query = {**job_query(wanted), "order": "created_at" if oldest_first else None}
     return listing(f"{PREFIX}/runs", RunSummary, limit, query=query)
@@ -37,7 +37,7 @@ def runs(
 
 def run_counts(wanted: JobFilter | None = None) -> Call[RunCounts]:
     """Returns the number of runs that pass a filter, and numbers by the values of its parts."""
-    from drivora_service.store.run_counts import RunCounts
+    from drivora_service.store.runs.run_counts import RunCounts
 
     return get(f"{PREFIX}/runs:counts", RunCounts, query=job_query(wanted))
 

@@ -20,8 +20,8 @@ from drivora_service.client.call import (
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.studies import Study, StudyInList, StudyValidation
-    from drivora_service.studies.discoveries import StudyBands
-    from drivora_service.studies.study_comparison import StudyComparison
+    from drivora_service.studies.comparison.discovery_curves import StudyBands
+    from drivora_service.studies.comparison.study_comparison import StudyComparison
     from drivora_service.studies.table_names import TableForm, TableName
 
 _STUDY = f"{PREFIX}/studies/{{study_id}}"
@@ -113,7 +113,7 @@ def compare_study(
         measures: Names of what they are compared by; empty: the headlines.
         equal_time: Count what each had done after the time that the shortest one took.
     """
-    from drivora_service.studies.study_comparison import StudyComparison
+    from drivora_service.studies.comparison.study_comparison import StudyComparison
 
     query = {
         "baseline_method": baseline_method,
@@ -141,7 +141,7 @@ def study_bands(
         agents: Names of agents; empty: all.
         points: Greatest number of points of a band; ``None``: as the service has it.
     """
-    from drivora_service.studies.discoveries import StudyBands
+    from drivora_service.studies.comparison.discovery_curves import StudyBands
 
     query = {
         "method": tuple(methods),

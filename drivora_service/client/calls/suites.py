@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from drivora_service.api.schemas.suites import SuiteList
-    from drivora_service.store.suite_records import (
+    from drivora_service.store.suites.suite_records import (
         SuiteDecision,
         SuiteHistory,
         SuiteOutcome,
@@ -32,7 +32,7 @@ def post_suite_run(
         outcomes: What became of each scenario, in the order of the suite.
     """
     from drivora_service.api.schemas.suites import SuiteRunRequest
-    from drivora_service.store.suite_records import SuiteRunRecord
+    from drivora_service.store.suites.suite_records import SuiteRunRecord
 
     request = SuiteRunRequest(decision=decision, outcomes=tuple(outcomes))
     return post(_RUNS, SuiteRunRecord, request.model_dump_json().encode())
@@ -55,14 +55,14 @@ def suite_runs(
         agent: Only those of this ADS; "": of any.
         limit: How many at most; ``None``: all.
     """
-    from drivora_service.store.suite_records import SuiteRunSummary
+    from drivora_service.store.suites.suite_records import SuiteRunSummary
 
     return listing(_RUNS, SuiteRunSummary, limit, query={"suite": suite, "agent": agent})
 
 
 def suite_run(suite_run_id: str) -> Call[SuiteRunRecord]:
     """Returns a run of a suite, with what became of its scenarios."""
-    from drivora_service.store.suite_records import SuiteRunRecord
+    from drivora_service.store.suites.suite_records import SuiteRunRecord
 
     return get(f"{_RUNS}/{{suite_run_id}}", SuiteRunRecord, suite_run_id=suite_run_id)
 
@@ -75,7 +75,7 @@ def suite_history(suite: str, *, agent: str = "", runs: int | None = None) -> Ca
         agent: Only runs of this ADS; "": of any.
         runs: Number of runs, the last ones; ``None``: as the service has it.
     """
-    from drivora_service.store.suite_records import SuiteHistory
+    from drivora_service.store.suites.suite_records import SuiteHistory
 
     query = {"suite": suite, "agent": agent, "runs": runs}
     return get(f"{PREFIX}/suites:history", SuiteHistory, query=query)

@@ -10,7 +10,7 @@ from drivora_service.client.call import Call, get
 from drivora_service.client.calls.jobs import job_query
 
 if TYPE_CHECKING:
-    from drivora_service.store.records import JobFilter
+    from drivora_service.store.runs.run_records import JobFilter
     from drivora_service.studies.table_names import ResultTableName, TableForm
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from drivora_service.execution.ray.messages import Members
+from drivora_service.execution.ray.ray_messages import Members
 
 _NO_NODE_S = 10.0
 """Seconds without a node after which that is a fault; another may be joining."""

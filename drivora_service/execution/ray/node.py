@@ -12,7 +12,7 @@ from pathlib import Path
 
 from drivora_service.errors import ConfigurationError
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.ray.messages import News, NodeSetup, Orders
+from drivora_service.execution.ray.ray_messages import News, NodeSetup, Orders
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.worker.setup import WorkerSetup
 

@@ -8,7 +8,8 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from drivora_service.execution.ray.messages import (
+from drivora_service.execution.ray.node import Node
+from drivora_service.execution.ray.ray_messages import (
     FromCluster,
     NodeJoined,
     NodeLost,
@@ -17,7 +18,6 @@ from drivora_service.execution.ray.messages import (
     NodeWithdrew,
     Orders,
 )
-from drivora_service.execution.ray.node import Node
 
 _NEWS_S = 0.5
 """Seconds for which a call waits for an end of an attempt: a call takes a millisecond or two."""

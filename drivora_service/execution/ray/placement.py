@@ -9,10 +9,10 @@ from datetime import UTC, datetime
 
 from drivora_service.execution.deaths import WORKER_LOST, report_loss
 from drivora_service.execution.pace import Pace
-from drivora_service.execution.ray.messages import News, Orders
+from drivora_service.execution.ray.ray_messages import News, Orders
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import NOT_BEGUN, cancelled_report
-from drivora_service.runs.report import RunSpec
+from drivora_service.runs.run_report import RunSpec
 from drivora_service.runs.slot_state import SlotState
 
 _AHEAD = 2

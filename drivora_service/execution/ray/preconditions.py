@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drivora_service.execution.ray.messages import NotConnected
+from drivora_service.execution.ray.ray_messages import NotConnected
 
 _JOINING_S = 15.0
 """Seconds for which a node that is being started is waited for; Ray itself waits for a minute."""

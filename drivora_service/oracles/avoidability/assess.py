@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 
 from drivora_service.errors import UnknownName
-from drivora_service.geometry.arrays import FloatArray
-from drivora_service.observations.conditions import frictions_under, perception_ranges
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.observations.recorded_conditions import frictions_under, perception_ranges
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Role, Trace
-from drivora_service.oracles.avoidability.braking import careful_braking, instant_braking
+from drivora_service.oracles.avoidability.braking_evasion import careful_braking, instant_braking
 from drivora_service.oracles.avoidability.breach import Breach, own_breach
-from drivora_service.oracles.avoidability.driver import GRAVITY, CarefulDriver
+from drivora_service.oracles.avoidability.careful_driver import GRAVITY, CarefulDriver
 from drivora_service.oracles.avoidability.evasion import find_evasion
-from drivora_service.oracles.avoidability.replay import Replay, cut_out
+from drivora_service.oracles.avoidability.replayed_contact import Replay, cut_out
 from drivora_service.oracles.avoidability.risk import Perceived, perceive_risk
 from drivora_service.oracles.verdict import Answer
-from drivora_service.scenario.actor_models import ActorKind, ActorModel, actor_model
+from drivora_service.scenario.models.actor_models import ActorKind, ActorModel, actor_model
 
 _KINDS = {Role.NPC_WALKER: ActorKind.WALKER, Role.NPC_OBSTACLE: ActorKind.OBSTACLE}
 _HEIGHTS = {ActorKind.VEHICLE: 1.5, ActorKind.WALKER: 1.7, ActorKind.OBSTACLE: 1.0}

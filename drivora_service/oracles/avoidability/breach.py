@@ -6,7 +6,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray
+from drivora_service.geometry.array_shapes import BoolArray
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Col, EgoCol, Light
 

@@ -12,13 +12,13 @@ import math
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.drivable_area import near_area
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.ground import vehicle_friction
-from drivora_service.oracles.avoidability.braking import WAIT, meets, place_on, pose_on
-from drivora_service.oracles.avoidability.replay import Replay
+from drivora_service.oracles.avoidability.braking_evasion import WAIT, meets, place_on, pose_on
+from drivora_service.oracles.avoidability.replayed_contact import Replay
 
 BRAKING_SHARES = (0.0, 0.5, 0.8, 0.95)
 """Shares of the grip used for braking while steering."""

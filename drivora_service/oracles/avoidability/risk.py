@@ -17,14 +17,14 @@ from enum import StrEnum
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.geometry.kernels import wrapped
 from drivora_service.observations.sight import is_hidden
 from drivora_service.observations.trace import Col, Trace
-from drivora_service.oracles.avoidability.braking import place_on, pose_on
-from drivora_service.oracles.avoidability.driver import CarefulDriver
-from drivora_service.oracles.avoidability.replay import SAME_WAY, Replay
+from drivora_service.oracles.avoidability.braking_evasion import place_on, pose_on
+from drivora_service.oracles.avoidability.careful_driver import CarefulDriver
+from drivora_service.oracles.avoidability.replayed_contact import SAME_WAY, Replay
 
 _THINK_STEP = 0.1
 """Interval of the checks whether two actors will have met, seconds."""

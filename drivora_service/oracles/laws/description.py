@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from drivora_service.oracles.descriptions import (
+from drivora_service.oracles.laws.law import Law
+from drivora_service.oracles.oracle_descriptions import (
     SHARE,
     OracleDescription,
     ThresholdDescription,
     ViolatedBy,
 )
-from drivora_service.oracles.laws.law import Law
 
 
 def law_description(law: Law) -> OracleDescription:

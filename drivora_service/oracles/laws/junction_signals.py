@@ -9,11 +9,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from shapely import LineString, line_locate_point, points
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.stop_lines import WayThrough, stop_lines
 from drivora_service.observations.line_crossings import Crossing
+from drivora_service.observations.recorded_signals import signal_shown
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.signals import signal_shown
 from drivora_service.observations.trace import Col, Light
 from drivora_service.observations.yielding import Conflict, vehicle_conflicts, walker_conflicts
 

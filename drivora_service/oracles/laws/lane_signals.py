@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.run_view import EgoView
 
 _BETWEEN = 1.0

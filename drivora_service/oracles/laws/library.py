@@ -7,8 +7,8 @@ from functools import cache
 
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.oracles.laws.law import BrokenLawFile, Law
-from drivora_service.oracles.laws.reading import read_laws
-from drivora_service.oracles.laws.schema import shipped_laws
+from drivora_service.oracles.laws.law_reading import read_laws
+from drivora_service.oracles.laws.law_schema import shipped_laws
 from drivora_service.oracles.laws.sources import LawSource, law_sources
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.observations.recorded_signals import off_route
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.signals import off_route
 from drivora_service.observations.trace import Col, EgoCol, Light
 
 

@@ -22,8 +22,8 @@ from drivora_service.oracles.laws.formula import (
     Until,
     Window,
 )
-from drivora_service.oracles.laws.signals import BY_NAME
-from drivora_service.oracles.laws.tokens import FormulaError, Token, tokens_of
+from drivora_service.oracles.laws.law_signals import BY_NAME
+from drivora_service.oracles.laws.law_tokens import FormulaError, Token, tokens_of
 from drivora_service.oracles.laws.units import SECOND, Unit
 from drivora_service.oracles.laws.values import (
     Value,

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.oracles.laws.formula import (
     And,
     Comparison,

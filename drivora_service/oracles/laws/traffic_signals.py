@@ -6,7 +6,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.leaders import SAME_WAY, VEHICLES, Leaders, leaders
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import LEVEL_GAP, Col, Role

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from drivora_service.oracles.laws.formula import Comparison
-from drivora_service.oracles.laws.signals import BY_NAME
-from drivora_service.oracles.laws.tokens import FormulaError
+from drivora_service.oracles.laws.law_signals import BY_NAME
+from drivora_service.oracles.laws.law_tokens import FormulaError
 from drivora_service.oracles.laws.units import ONE, Unit
 
 

@@ -11,7 +11,7 @@ from shapely import Polygon, box
 from shapely.affinity import affine_transform
 
 from drivora_service.geometry.angles import wrap_angle
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.observations.trace import Actor, Col, Trace
 

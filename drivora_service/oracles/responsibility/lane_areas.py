@@ -13,7 +13,7 @@ from shapely import LineString, Point, Polygon, STRtree
 from shapely.geometry.base import BaseGeometry
 
 from drivora_service.geometry.angles import wrap_angle
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 
 _REACH = 30.0

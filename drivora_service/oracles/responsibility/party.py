@@ -9,12 +9,12 @@ import numpy as np
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from drivora_service.geometry.arrays import FloatArray, Int32Array
+from drivora_service.geometry.array_shapes import FloatArray, Int32Array
 from drivora_service.geometry.lines import arc_lengths
 from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.observations.conditions import frictions_under
+from drivora_service.observations.recorded_conditions import frictions_under
 from drivora_service.observations.trace import Actor, Col, Trace
 from drivora_service.oracles.responsibility.lane_areas import intrusion, lane_areas
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from drivora_service.oracles.responsibility.braking import REACTION, could_brake
 from drivora_service.oracles.responsibility.finding import Fault, Finding
 from drivora_service.oracles.responsibility.impact import Face
 from drivora_service.oracles.responsibility.party import Party
+from drivora_service.oracles.responsibility.required_braking import REACTION, could_brake
 from drivora_service.oracles.responsibility.scene import AGAINST, ALONG, ASTRAY, Scene
 
 _RETURNED = 2.5

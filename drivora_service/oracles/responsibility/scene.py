@@ -9,11 +9,11 @@ from shapely.geometry.base import BaseGeometry
 from drivora_service.geometry.angles import wrap_angle
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.trace import Role, Trace
-from drivora_service.oracles.responsibility.braking import could_brake
 from drivora_service.oracles.responsibility.finding import Fault
 from drivora_service.oracles.responsibility.impact import Face, Impact
 from drivora_service.oracles.responsibility.lane_areas import LaneAreas, intrusion
 from drivora_service.oracles.responsibility.party import Party
+from drivora_service.oracles.responsibility.required_braking import could_brake
 
 ALONG = 1.2
 """Radians from a lane's direction up to which an actor follows it."""

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeAlias
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.scenario.model import Weather
 from drivora_service.scenario.weather import weather_effects
 from drivora_service.search.genes import Block
-from drivora_service.search.space.starts import Start
+from drivora_service.search.space.actor_starts import Start
 
 Decoded: TypeAlias = tuple[object, Start | None]
 """A part of a scenario, and where it starts if it is an actor."""

@@ -10,10 +10,10 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from drivora_service.errors import NoRoute
-from drivora_service.geometry.arrays import BoolArray, FloatArray
-from drivora_service.networks.lane_route import LaneRoute
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.networks.routes.lane_route import LaneRoute
+from drivora_service.networks.routes.routing import RoutePoint, plan_route
 from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import Region, Waypoint
 from drivora_service.search.space.lane_walks import LaneWalk

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 from drivora_service.errors import SearchError
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.networks.routing import plan_route
+from drivora_service.networks.routes.routing import plan_route
+from drivora_service.scenario.checks.route_checks import route_points
 from drivora_service.scenario.model import EgoVehicle, Scenario, Waypoint
-from drivora_service.scenario.route_checks import route_points
 from drivora_service.search.space.driven_path import DrivenPath, plan_walk, walk_points
 from drivora_service.search.space.lane_walks import LaneWalk
-from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.relations import Relation
 from drivora_service.search.space.roadside import Roadside
+from drivora_service.search.space.space_options import SpaceOptions
 from drivora_service.search.space.walk_choice import find_walks, take_in_turns
 
 MOST_ROUTES = 12

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.runs.candidate import Reference
 from drivora_service.scenario.model import ReferencePose, Scenario
 from drivora_service.search.genes import Part

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from drivora_service.networks.lane_graph import lane_graph
 from drivora_service.networks.road_network import Lane, RoadNetwork
-from drivora_service.networks.tight_turns import tight_turns
+from drivora_service.networks.routes.lane_graph import lane_graph
+from drivora_service.networks.routes.tight_turns import tight_turns
 
 MAX_CHOICES = 3
 """Number of junctions at which a walk takes all directions; then it takes the straightest."""

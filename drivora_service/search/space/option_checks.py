@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from drivora_service.errors import SearchError
 from drivora_service.scenario import fields
 from drivora_service.scenario.model import NpcBehavior, Scenario
-from drivora_service.search.space.options import SpaceOptions, VehicleStarts
+from drivora_service.search.space.space_options import SpaceOptions, VehicleStarts
 
 MAX_WAIT = 60.0
 """Seconds, the time after which an ego behind the vehicle is stuck."""

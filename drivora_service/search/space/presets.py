@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Any
 
 from drivora_service.scenario.model import RouteEnd
-from drivora_service.search.space.options import SpaceOptions, VehicleStarts
+from drivora_service.search.space.space_options import SpaceOptions, VehicleStarts
 
 
 class SpacePreset(StrEnum):

@@ -9,7 +9,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.search.space.driven_path import DrivenPath
 from drivora_service.search.space.lane_walks import LaneWalk

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from drivora_service.geometry.arrays import FloatArray
-from drivora_service.search.space.starts import Start, too_near
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.search.space.actor_starts import Start, too_near
 
 STEP = 2.0
 """Metres by which an actor is moved at a time."""

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.drivable_area import near_area
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.search.space.driven_path import DrivenPath

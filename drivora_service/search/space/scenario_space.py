@@ -7,35 +7,35 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property, partial
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.networks.route_meetings import meeting_matrix
+from drivora_service.networks.routes.route_meetings import meeting_matrix
 from drivora_service.scenario.model import Scenario
 from drivora_service.search.genes import Block, GeneSpace, Part
 from drivora_service.search.space.alike import Decode, decode_alike
-from drivora_service.search.space.conditions import (
+from drivora_service.search.space.condition_genes import (
     light_genes,
     traffic_lights,
     weather,
     weather_genes,
 )
 from drivora_service.search.space.driven_path import Pose
+from drivora_service.search.space.ego_genes import FixedEgo, GeneEgo, PlacedEgo, ego_genes
 from drivora_service.search.space.ego_routes import routes_of_egos
-from drivora_service.search.space.egos import FixedEgo, GeneEgo, PlacedEgo, ego_genes
-from drivora_service.search.space.fixed_starts import fixed_starts
 from drivora_service.search.space.layout import Layout
-from drivora_service.search.space.npc_paths import NpcPath, find_npc_paths
-from drivora_service.search.space.obstacles import ObstacleDecoder, blocks_lane, obstacle_genes
+from drivora_service.search.space.obstacle_genes import ObstacleDecoder, blocks_lane, obstacle_genes
 from drivora_service.search.space.option_checks import check_options
-from drivora_service.search.space.options import SpaceOptions, VehicleStarts
-from drivora_service.search.space.patches import PatchDecoder, patch_genes
+from drivora_service.search.space.patch_genes import PatchDecoder, patch_genes
 from drivora_service.search.space.repair import Mover, other_choices, settle
 from drivora_service.search.space.seed_actors import ActorNames, seed_starts
-from drivora_service.search.space.vehicle_genes import vehicle_genes
-from drivora_service.search.space.vehicle_places import GenePlaces, VehiclePlace
-from drivora_service.search.space.vehicle_ways import VehicleWay
-from drivora_service.search.space.vehicles import VehicleDecoder
-from drivora_service.search.space.walkers import WalkerDecoder, walker_genes
+from drivora_service.search.space.space_options import SpaceOptions, VehicleStarts
+from drivora_service.search.space.vehicles.fixed_starts import fixed_starts
+from drivora_service.search.space.vehicles.npc_paths import NpcPath, find_npc_paths
+from drivora_service.search.space.vehicles.vehicle_decoding import VehicleDecoder
+from drivora_service.search.space.vehicles.vehicle_genes import vehicle_genes
+from drivora_service.search.space.vehicles.vehicle_places import GenePlaces, VehiclePlace
+from drivora_service.search.space.vehicles.vehicle_ways import VehicleWay
+from drivora_service.search.space.walker_genes import WalkerDecoder, walker_genes
 
 
 class ScenarioSpace:

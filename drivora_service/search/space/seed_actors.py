@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.scenario.checks.placed_actors import place_actors
+from drivora_service.scenario.checks.route_checks import check_route
 from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import Scenario
-from drivora_service.scenario.placed_actors import place_actors
-from drivora_service.scenario.route_checks import check_route
+from drivora_service.search.space.actor_starts import Start
 from drivora_service.search.space.driven_path import Pose
-from drivora_service.search.space.starts import Start
 
 
 def seed_starts(seed: Scenario, network: RoadNetwork) -> tuple[Start, ...]:

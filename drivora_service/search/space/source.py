@@ -5,8 +5,8 @@ from __future__ import annotations
 from drivora_service.networks.catalogue import NetworkLookup
 from drivora_service.runs.candidate import SpaceSource
 from drivora_service.scenario.canonical import canonical_json, from_canonical
-from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.space_options import SpaceOptions
 from drivora_service.shapes import adapter, to_json
 
 

@@ -15,14 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.geometry.boxes import boxes_overlap
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.planned_motion import PlannedMotion
 from drivora_service.observations.reference_path import poses_at
 from drivora_service.observations.trace import PoseCol
-from drivora_service.scenario.actor_models import ActorKind, actor_model
 from drivora_service.scenario.model import EgoVehicle, Scenario
+from drivora_service.scenario.models.actor_models import ActorKind, actor_model
 
 SLACK = 1.0
 """Seconds before and after a time."""

@@ -7,9 +7,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
-from drivora_service.networks.lane_graph import lane_graph
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.networks.routes.lane_graph import lane_graph
 from drivora_service.search.space.driven_path import DrivenPath
 from drivora_service.search.space.lane_walks import LaneWalk, walks_from
 from drivora_service.search.space.relations import (

@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import dataclass
 
 from drivora_service.feedback.measurement import FeedbackChoice
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.tester import Evaluation, Proposal, TesterContext

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Col, Trace
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import PlaceDocument

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from drivora_service.scenario.documents import ScenarioDocument
-from drivora_service.suites.minimization.checking import CheckedDocument
 from drivora_service.suites.minimization.later_starts import Recording
-from drivora_service.suites.minimization.search import (
+from drivora_service.suites.minimization.proposal_checking import CheckedDocument
+from drivora_service.suites.minimization.reduction_search import (
     PROOF,
     Question,
     Reductions,

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from drivora_service.scenario.document_problems import model_at
 from drivora_service.scenario.documents import ScenarioDocument
-from drivora_service.scenario.problems import model_at
 from drivora_service.suites.minimization.edits import Edit, Place, content_of, removal
 
 ACTORS = {

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.errors import NetworkError
-from drivora_service.networks.lane_route import LaneRoute
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.networks.routing import plan_route
+from drivora_service.networks.routes.lane_route import LaneRoute
+from drivora_service.networks.routes.routing import plan_route
+from drivora_service.scenario.checks.route_checks import route_points
 from drivora_service.scenario.conversion import waypoint
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import EgoDocument
 from drivora_service.scenario.frames import FrameTransform
-from drivora_service.scenario.route_checks import route_points
 from drivora_service.suites.minimization.edits import REMOVED, Edit, Place
 
 AFTER_S = (1.0, 2.0, 5.0, 10.0, 20.0)

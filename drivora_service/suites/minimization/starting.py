@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from drivora_service.errors import Conflict
-from drivora_service.oracles.failure_identity import gravest, identity_of
 from drivora_service.oracles.verdict import Outcome
-from drivora_service.runs.report import RunStatus
-from drivora_service.store.minimization_records import NewMinimization
-from drivora_service.store.records import RunRecord
+from drivora_service.oracles.verdicts.failure_identity import gravest, identity_of
+from drivora_service.runs.run_report import RunStatus
+from drivora_service.store.minimizations.minimization_records import NewMinimization
+from drivora_service.store.runs.run_records import RunRecord
 
 DEFAULT_BUDGET = 500
 """Simulations that a search may need."""
@@ -39,7 +39,7 @@ def new_minimization(
     """
     # Imported here: it needs the compiler of kernels.
     from drivora_service.scenario.documents import document_text
-    from drivora_service.suites.minimization.checking import document_of_run
+    from drivora_service.suites.minimization.proposal_checking import document_of_run
 
     violation = gravest(run.verdicts, oracle=oracle)
     if violation is None:

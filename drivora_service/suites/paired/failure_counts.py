@@ -11,15 +11,15 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from drivora_service.runs.report import RunStatus
-from drivora_service.studies.statistics import holm
-from drivora_service.suites.paired.comparison import (
+from drivora_service.runs.run_report import RunStatus
+from drivora_service.studies.comparison.sample_statistics import holm
+from drivora_service.suites.paired.batch_comparison import (
     SIGNIFICANT,
     FailureComparison,
     PairedJudgement,
     WhichFails,
 )
-from drivora_service.suites.paired.counting import Judged
+from drivora_service.suites.paired.failure_rules import Judged
 from drivora_service.suites.paired.mcnemar import compare_shares
 from drivora_service.suites.paired.pairing import Pair
 

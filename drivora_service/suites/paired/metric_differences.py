@@ -10,13 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.errors import UnknownName
-from drivora_service.metrics.descriptions import METRICS
-from drivora_service.oracles.descriptions import Better
-from drivora_service.studies.statistics import holm
+from drivora_service.metrics.metric_descriptions import METRICS
+from drivora_service.oracles.oracle_descriptions import Better
+from drivora_service.studies.comparison.sample_statistics import holm
+from drivora_service.suites.paired.batch_comparison import (
+    SIGNIFICANT,
+    MetricComparison,
+    PairedJudgement,
+)
 from drivora_service.suites.paired.bootstrap import mean_intervals
-from drivora_service.suites.paired.comparison import SIGNIFICANT, MetricComparison, PairedJudgement
+from drivora_service.suites.paired.paired_runs import PairedRun
 from drivora_service.suites.paired.pairing import Pair
-from drivora_service.suites.paired.runs import PairedRun
 from drivora_service.suites.paired.sign_flips import flip_p_values
 
 _DESCRIBED = {metric.name: metric for metric in METRICS}

@@ -12,7 +12,7 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from drivora_service.suites.paired.runs import PairedRun
+from drivora_service.suites.paired.paired_runs import PairedRun
 
 
 class LeftOutReason(StrEnum):

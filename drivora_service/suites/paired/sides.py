@@ -7,8 +7,8 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from drivora_service.suites.paired.comparison import SettingDifference
-from drivora_service.suites.paired.runs import PairedRun
+from drivora_service.suites.paired.batch_comparison import SettingDifference
+from drivora_service.suites.paired.paired_runs import PairedRun
 
 AGENT = "agent"
 _VERSION = "version of "

@@ -18,8 +18,8 @@ import numpy as np
 import torch
 
 from drivora_service.agents.imitation.weights import load_weights
-from drivora_service.training.exchange import put_weights
 from drivora_service.training.imitation import RECIPES, held_out_samples
+from drivora_service.training.weight_exchange import put_weights
 
 EVERY = 40
 

@@ -27,7 +27,7 @@ MOST_OBJECTS = 12
 
 def record(folder: Path) -> None:
     from drivora_service.agents.idm.agent import IdmAgent
-    from drivora_service.agents.remote.messages import setup_request
+    from drivora_service.agents.remote.remote_messages import setup_request
     from tests.agents.smarts_scenario import smarts_scenario
     from tests.simulation.episodes import run
 

@@ -16,11 +16,11 @@ from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.observations.trace import Trace
-from drivora_service.observations.trace_hash import trace_sha256
-from drivora_service.runs.report import RunFailure, RunReport, RunSpec, RunStatus
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
+from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import Scenario
-from drivora_service.worker import catalogues, performing
+from drivora_service.worker import performing, worker_catalogues
 from drivora_service.worker.setup import WorkerSetup
 from tests.agents.remote.ads import FAULT_STEP
 from tests.agents.remote.folders import add_agent, processes_with, wait_until
@@ -53,14 +53,14 @@ def catalogue(agents: Path) -> Iterator[AgentCatalogue]:
 def perform(agents: Path) -> Iterator[Perform]:
     """Performs a run as a worker does."""
     setup = WorkerSetup(shipped_networks=shipped_networks(), agents=agents)
-    catalogues.agents_of.cache_clear()
+    worker_catalogues.agents_of.cache_clear()
 
     def perform_run(what: Scenario) -> RunReport:
         return performing.perform(RunSpec(run_id="run", document=canonical_json(what)), setup)
 
     yield perform_run
-    catalogues.agents_of(setup).close()
-    catalogues.agents_of.cache_clear()
+    worker_catalogues.agents_of(setup).close()
+    worker_catalogues.agents_of.cache_clear()
     assert left_behind(agents) == []
 
 
@@ -281,10 +281,10 @@ def test_a_command_that_cannot_be_started_is_told_of(agents: Path, perform: Perf
 def test_a_call_ends_before_the_slot_would_end_the_worker(agents: Path) -> None:
     add_agent(agents, "hangs", step=3000.0)
     setup = WorkerSetup(shipped_networks=shipped_networks(), agents=agents, agent_deadline_s=1.4)
-    catalogues.agents_of.cache_clear()
+    worker_catalogues.agents_of.cache_clear()
     document = canonical_json(one_ego("hangs"))
     report = performing.perform(RunSpec(run_id="run", document=document), setup)
-    catalogues.agents_of.cache_clear()
+    worker_catalogues.agents_of.cache_clear()
     assert failure_of(report).cause == "agent_hung"
     assert "within 0.7 s" in failure_of(report).message
 

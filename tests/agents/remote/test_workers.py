@@ -16,13 +16,13 @@ import pytest
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.local import LocalExecutor
-from drivora_service.execution.running import run_all
+from drivora_service.execution.spec_running import run_all
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import BackgroundTraffic, Scenario
 from drivora_service.scenario.validation import validate_data
-from drivora_service.worker import catalogues, performing
+from drivora_service.worker import performing, worker_catalogues
 from drivora_service.worker.setup import WorkerSetup
 from tests.agents.remote.folders import add_agent, processes_with, wait_until
 from tests.simulation.episodes import ego, place, scenario
@@ -157,12 +157,12 @@ def test_three_egos_with_three_adss_drive_the_same_wherever_they_run(agents: Pat
     valid = validate_data(content, networks, directory)
     spec = RunSpec(run_id="here", document=canonical_json(valid.scenario))
     setup = WorkerSetup(shipped_networks=shipped_networks(), agents=agents, agent_deadline_s=60.0)
-    catalogues.agents_of.cache_clear()
+    worker_catalogues.agents_of.cache_clear()
     try:
         reports = [performing.perform(spec, setup) for _ in range(2)]
     finally:
-        catalogues.agents_of(setup).close()
-        catalogues.agents_of.cache_clear()
+        worker_catalogues.agents_of(setup).close()
+        worker_catalogues.agents_of.cache_clear()
     with executor(agents, 1) as workers:
         reports += run_all(workers, [replace(spec, run_id="worker")])
     assert [report.status for report in reports] == [RunStatus.FINISHED] * 3

@@ -12,9 +12,9 @@ from benchmarks.suite.campaign_throughput import (
     campaign_document,
     least_simulations,
 )
-from drivora_service.campaigns.catalogues import Catalogues
-from drivora_service.campaigns.preparing import prepare_search
-from drivora_service.campaigns.reading import read_campaign
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.search.search_preparation import prepare_search
 
 
 @pytest.mark.parametrize("method", METHODS)

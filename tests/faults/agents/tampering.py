@@ -20,7 +20,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from drivora_service.runs.report import RunReport, RunStatus
+from drivora_service.runs.run_report import RunReport, RunStatus
 from tests.faults.agents.driving import Hostile, evidence, plugin, workers_folder
 
 _STANDARD = 3

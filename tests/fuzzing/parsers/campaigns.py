@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 import yaml
 
-from drivora_service.campaigns.documents import campaign_text
-from drivora_service.campaigns.reading import read_campaign
-from drivora_service.cli.campaign_files import read_campaign_file
+from drivora_service.campaigns.document.campaign_documents import campaign_text
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.cli.campaigns.campaign_files import read_campaign_file
 from drivora_service.errors import InvalidDocument
 from tests.fuzzing.harness import Harness, by_name, check_refusal
 from tests.fuzzing.parsers.shared import catalogues, check_problems, folder

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 
-from drivora_service.cli.gates import read_gate
+from drivora_service.cli.runs.run_gates import read_gate
 from drivora_service.errors import ConfigurationError, InvalidDocument
 from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.scenario.agent_parameters import read_agent_parameter, with_agent_parameters

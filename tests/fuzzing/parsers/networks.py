@@ -8,7 +8,7 @@ from functools import cache
 
 from drivora_service.errors import InvalidDocument, NetworkError
 from drivora_service.networks.catalogue import NetworkCatalogue
-from drivora_service.networks.importing import import_network
+from drivora_service.networks.importing.network_importing import import_network
 from drivora_service.networks.projection import nearest_lane_position
 from drivora_service.networks.right_of_way import right_of_way
 from drivora_service.scenario.validation import validate_data

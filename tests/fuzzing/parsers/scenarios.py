@@ -10,11 +10,11 @@ from typing import Literal
 import yaml
 from pydantic_core import from_json
 
-from drivora_service.api.batch_scenarios import read_batch_scenario
+from drivora_service.api.answers.batch_scenarios import read_batch_scenario
 from drivora_service.errors import InvalidDocument
 from drivora_service.scenario.canonical import canonical_json, from_canonical
 from drivora_service.scenario.validation import validate_data
-from drivora_service.store.records import LONGEST_LABEL
+from drivora_service.store.runs.run_records import LONGEST_LABEL
 from tests.fuzzing.harness import Harness, by_name
 from tests.fuzzing.parsers.shared import agents, check_problems, example_scenarios, networks
 from tests.scenario.conftest import GOOD

@@ -18,7 +18,7 @@ from tests.fuzzing.harness import check_refusal
 
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
-    from drivora_service.campaigns.catalogues import Catalogues
+    from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 
@@ -32,7 +32,7 @@ def networks() -> NetworkCatalogue:
 @cache
 def catalogues() -> Catalogues:
     """Returns the catalogues of campaigns."""
-    from drivora_service.campaigns.catalogues import Catalogues
+    from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 
     return Catalogues(networks())
 

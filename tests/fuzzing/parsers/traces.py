@@ -16,8 +16,8 @@ import pyarrow.parquet as pq
 
 from drivora_service.errors import StoreError
 from drivora_service.observations.trace import Contact
-from drivora_service.observations.trace_file import read_steps, read_trace, write_trace
-from drivora_service.observations.trace_hash import trace_sha256
+from drivora_service.observations.trace_files.trace_file import read_steps, read_trace, write_trace
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
 from tests.fuzzing.harness import Harness, by_name, check_refusal
 from tests.fuzzing.parsers.shared import folder

@@ -11,7 +11,7 @@ from drivora_service.geometry.boxes import boxes_overlap
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import Col, Contact, Trace
 from drivora_service.oracles.avoidability.assess import Avoidability, assess
-from drivora_service.oracles.avoidability.replay import Replay, cut_out
+from drivora_service.oracles.avoidability.replayed_contact import Replay, cut_out
 from drivora_service.testing.networks import straight_road
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
 from tests.oracles.judging import on_lane

@@ -8,10 +8,10 @@ import pytest
 
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Light, Role
-from drivora_service.oracles.accountability import Accountability, accountability
-from drivora_service.oracles.avoidability.driver import GRAVITY, CarefulDriver
+from drivora_service.oracles.avoidability.careful_driver import GRAVITY, CarefulDriver
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.verdict import Answer
+from drivora_service.oracles.verdicts.accountability import Accountability, accountability
 from drivora_service.testing.networks import CROSSING, EAST
 from drivora_service.testing.traces import Motion, SyntheticActor
 from tests.oracles.avoidability.collisions import (

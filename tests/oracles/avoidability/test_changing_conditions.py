@@ -9,13 +9,13 @@ from dataclasses import replace
 import pytest
 
 from drivora_service.metrics.ego_series import ego_series
-from drivora_service.observations.conditions import CHANGES_KEY, PERCEPTION_RANGE
+from drivora_service.observations.recorded_conditions import CHANGES_KEY, PERCEPTION_RANGE
 from drivora_service.observations.trace import Trace
-from drivora_service.oracles.avoidability.braking import latest_braking
-from drivora_service.oracles.avoidability.driver import GRAVITY
+from drivora_service.oracles.avoidability.braking_evasion import latest_braking
+from drivora_service.oracles.avoidability.careful_driver import GRAVITY
 from drivora_service.oracles.avoidability.evasion import find_evasion
-from drivora_service.oracles.responsibility.braking import could_brake
 from drivora_service.oracles.responsibility.party import Party
+from drivora_service.oracles.responsibility.required_braking import could_brake
 from tests.oracles.avoidability.collisions import (
     ROAD,
     STEP,

@@ -12,10 +12,10 @@ import pytest
 from drivora_service.agents.interface import AccelerationControl, Control, Observation, PoseControl
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
-from drivora_service.oracles.avoidability.braking import instant_braking
-from drivora_service.oracles.avoidability.driver import GRAVITY, CarefulDriver
+from drivora_service.oracles.avoidability.braking_evasion import instant_braking
+from drivora_service.oracles.avoidability.careful_driver import GRAVITY, CarefulDriver
 from drivora_service.oracles.avoidability.evasion import find_evasion
-from drivora_service.oracles.avoidability.replay import cut_out
+from drivora_service.oracles.avoidability.replayed_contact import cut_out
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.scenario.model import Scenario, Waypoint, Weather

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from drivora_service.oracles.avoidability.driver import GRAVITY
+from drivora_service.oracles.avoidability.careful_driver import GRAVITY
 from drivora_service.oracles.avoidability.evasion import find_evasion
 from drivora_service.testing.traces import Motion
 from tests.oracles.avoidability.collisions import (

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from shapely import Polygon
 
 from drivora_service.observations.trace import Col, Trace
-from drivora_service.oracles.avoidability.braking import careful_braking
-from drivora_service.oracles.avoidability.driver import CarefulDriver
+from drivora_service.oracles.avoidability.braking_evasion import careful_braking
+from drivora_service.oracles.avoidability.careful_driver import CarefulDriver
 from drivora_service.testing.traces import Motion
 from tests.oracles.avoidability.collisions import LENGTH, STEP, collision, cut, moving, steady
 

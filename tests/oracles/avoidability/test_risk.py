@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drivora_service.observations.trace import Role, Trace
-from drivora_service.oracles.avoidability.driver import GRAVITY, CarefulDriver
-from drivora_service.oracles.avoidability.replay import cut_out
+from drivora_service.oracles.avoidability.careful_driver import GRAVITY, CarefulDriver
+from drivora_service.oracles.avoidability.replayed_contact import cut_out
 from drivora_service.oracles.avoidability.risk import Perceived, Risk, perceive_risk
 from drivora_service.testing.traces import Motion, SyntheticActor
 from tests.oracles.avoidability.collisions import (

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from functools import cache
 
-from drivora_service.oracles.laws.judging import LawOracle
 from drivora_service.oracles.laws.law import Law
+from drivora_service.oracles.laws.law_judging import LawOracle
+from drivora_service.oracles.laws.law_reading import read_laws
 from drivora_service.oracles.laws.library import LawLibrary
-from drivora_service.oracles.laws.reading import read_laws
 from drivora_service.oracles.laws.sources import LawSource
 
 

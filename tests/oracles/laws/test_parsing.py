@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivora_service.oracles.laws.formula import And, Comparison, Implies, Or, Until, signals_of
+from drivora_service.oracles.laws.law_tokens import FormulaError
 from drivora_service.oracles.laws.parsing import MAX_DEPTH, Quantity, read_law
-from drivora_service.oracles.laws.tokens import FormulaError
 from drivora_service.oracles.laws.units import METRE, ONE, SECOND
 
 PARAMETERS = {

@@ -14,7 +14,7 @@ from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Light, Trace
 from drivora_service.oracles.built_in import default_oracles, judge_all
-from drivora_service.oracles.laws.judging import LawOracle
+from drivora_service.oracles.laws.law_judging import LawOracle
 from drivora_service.oracles.red_light import RedLight
 from drivora_service.oracles.speeding import Speeding
 from drivora_service.oracles.verdict import Oracle, Outcome, Severity

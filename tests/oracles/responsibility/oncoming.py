@@ -5,7 +5,7 @@ One lane to the east (y = 218.4 m) and one to the west (y = 221.6 m), from x = 4
 
 from __future__ import annotations
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from tests.oracles.responsibility.case import (
     AT_FAULT,
     NOT_AT_FAULT,

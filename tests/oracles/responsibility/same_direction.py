@@ -6,7 +6,7 @@ Grand Street of ``signal-grid`` has two lanes to the east (y = 105.1 and 108.4 m
 
 from __future__ import annotations
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from tests.oracles.responsibility.case import (
     AT_FAULT,
     NOT_AT_FAULT,

@@ -11,11 +11,11 @@ import pytest
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Col, Contact, Role, Trace
 from drivora_service.oracles.collision import Collision
-from drivora_service.oracles.responsibility.braking import could_brake
 from drivora_service.oracles.responsibility.finding import Fault, Finding
 from drivora_service.oracles.responsibility.impact import find_impact
-from drivora_service.oracles.responsibility.judging import find_responsible
 from drivora_service.oracles.responsibility.party import Party
+from drivora_service.oracles.responsibility.required_braking import could_brake
+from drivora_service.oracles.responsibility.responsibility_judging import find_responsible
 from drivora_service.scenario.conversion import to_scenario
 from drivora_service.testing.networks import straight_road
 from drivora_service.testing.traces import Motion, SyntheticActor, make_trace

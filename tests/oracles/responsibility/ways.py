@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.networks.road_network import RoadNetwork

@@ -10,8 +10,8 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from drivora_service.cli.drawing import draw_trace
-from drivora_service.observations.trace_file import write_trace
+from drivora_service.cli.terminal.trace_drawing import draw_trace
+from drivora_service.observations.trace_files.trace_file import write_trace
 from drivora_service.settings import Settings
 from tests.oracles.responsibility.case import AT_FAULT, NOT_AT_FAULT, Case
 from tests.oracles.responsibility.families import all_cases

@@ -11,8 +11,8 @@ from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import Scenario, Weather
 from drivora_service.scenario.weather import weather_effects
 from drivora_service.search.mutation import GaussianMutation, RedrawBlock, RedrawSlice
-from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.space_options import SpaceOptions
 from tests.search.space.seeds import block_named, drawn, space_around
 
 SPACES = {

@@ -8,8 +8,8 @@ import pytest
 
 from drivora_service.errors import SearchError
 from drivora_service.scenario.model import NpcBehavior, RouteEnd, Waypoint
-from drivora_service.search.space.options import SpaceOptions, VehicleStarts
 from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.space_options import SpaceOptions, VehicleStarts
 from tests.search.space.seeds import NETWORKS, seed_scenario
 
 

@@ -11,10 +11,10 @@ from drivora_service.errors import SearchError
 from drivora_service.scenario.model import RouteEnd
 from drivora_service.scenario.validation import scenario_problems
 from drivora_service.search.genes import Part
-from drivora_service.search.space.fixed_starts import DISTANCES
-from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.presets import PRESETS, SpacePreset
 from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.space_options import SpaceOptions
+from drivora_service.search.space.vehicles.fixed_starts import DISTANCES
 from tests.search.space.seeds import NETWORKS, SHIPPED, drawn, seed_scenario, space_around
 from tests.search.space.test_runs import reports
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.networks.routes.routing import RoutePoint, plan_route
 from drivora_service.search.space.driven_path import DrivenPath
 from drivora_service.search.space.lane_walks import LaneWalk
 from drivora_service.search.space.relations import (

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from drivora_service.geometry.arrays import FloatArray
-from drivora_service.networks.routing import RoutePoint, plan_route
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.networks.routes.routing import RoutePoint, plan_route
+from drivora_service.search.space.actor_starts import CLEAR_OF_EGO, Start, too_near
 from drivora_service.search.space.driven_path import DrivenPath, Pose
 from drivora_service.search.space.repair import STEP, Mover, other_choices, settle
-from drivora_service.search.space.starts import CLEAR_OF_EGO, Start, too_near
 from drivora_service.testing.networks import straight_road
 
 ROAD = straight_road()

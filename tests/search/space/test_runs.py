@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.runs.report import RunReport, RunSpec, RunStatus
+from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.space_options import SpaceOptions
 from drivora_service.worker.performing import perform
 from drivora_service.worker.setup import WorkerSetup
 from tests.search.space.seeds import drawn, space_around

@@ -23,8 +23,8 @@ from drivora_service.scenario.model import (
     Scenario,
 )
 from drivora_service.scenario.validation import scenario_problems, validate_document
-from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.space_options import SpaceOptions
 from drivora_service.simulation.planning import plan_episode
 from tests.search.space.seeds import (
     NETWORKS,

@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Col
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle, RouteEnd
 from drivora_service.scenario.validation import scenario_problems
 from drivora_service.scenario.weather import weather_effects
-from drivora_service.search.space.options import SpaceOptions, VehicleStarts
 from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.space_options import SpaceOptions, VehicleStarts
 from tests.search.space.seeds import NETWORKS, SHIPPED, block_named, drawn, space_around
 from tests.simulation.episodes import row_of, run, standing
 

@@ -13,7 +13,7 @@ import pytest
 from drivora_service.errors import SearchError
 from drivora_service.feedback.avfuzzer import SAFETY_MARGIN, AvfuzzerFeedback
 from drivora_service.feedback.measurement import Measurement
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.search.components import Components
 from drivora_service.search.distance import candidate_distances
 from drivora_service.search.genes import Block, Gene, GeneKind, GeneSpace, Part

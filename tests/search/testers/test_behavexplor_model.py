@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.testers.behavexplor import behaviour_model
 from drivora_service.search.testers.behavexplor.behaviour_model import (
     BehaviourModel,

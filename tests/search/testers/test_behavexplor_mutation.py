@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.genes import Block, Gene, GeneKind, GeneSpace, Part
 from drivora_service.search.testers.behavexplor.mutation import WaypointNoise
 from drivora_service.testing.gene_spaces import small_space

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from drivora_service.errors import SearchError
 from drivora_service.feedback.decictor import CONSISTENCY, REFERENCE
 from drivora_service.feedback.measurement import Measurement
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.runs.candidate import Reference
 from drivora_service.search.components import Components

@@ -12,7 +12,7 @@ import pytest
 from drivora_service.errors import SearchError
 from drivora_service.feedback.doppeltest import DOPPELTEST as FEEDBACK
 from drivora_service.feedback.measurement import Measurement
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.search.components import Components
 from drivora_service.search.genes import GeneSpace, Part

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.search.genes import Part
 from drivora_service.search.testers.doppeltest.chromosome import Chromosome
 from drivora_service.search.testers.doppeltest.crossover import DoppelTestCrossover

@@ -8,11 +8,11 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.scenario.validation import scenario_problems
 from drivora_service.search.genes import Block, GeneSpace, Part
-from drivora_service.search.space.options import SpaceOptions
 from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.space_options import SpaceOptions
 from drivora_service.search.testers.drivefuzz.adding import Adding
 from drivora_service.testing.gene_spaces import small_space
 from tests.search.space.seeds import NETWORKS, space_around

@@ -11,7 +11,7 @@ import pytest
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import Measurement
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.components import Components
 from drivora_service.search.genes import Block, Gene, GeneKind, GeneSpace, Part
 from drivora_service.search.tester import Evaluation, EvaluationStatus, Proposal, TesterContext

@@ -10,7 +10,7 @@ import pytest
 
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.samota import SamotaFeedback
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.search.components import Components
 from drivora_service.search.genes import Block, Gene, GeneKind, GeneSpace, Part
 from drivora_service.search.tester import Evaluation, EvaluationStatus, Proposal, TesterContext

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from sklearn.cross_decomposition import PLSRegression
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.testers.samota.ensemble import (
     Ensemble,
     fit_ensemble,

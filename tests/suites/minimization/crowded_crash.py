@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 
 CONTAINER: dict[str, Any] = {
     "id": "container",

@@ -10,10 +10,10 @@ from typing import Any
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.scenario.documents import ScenarioDocument
-from drivora_service.suites.minimization.checking import Checker
 from drivora_service.suites.minimization.edits import content_of
 from drivora_service.suites.minimization.minimizer import Minimizer, Trial, TrialResult
-from drivora_service.suites.minimization.search import Reductions
+from drivora_service.suites.minimization.proposal_checking import Checker
+from drivora_service.suites.minimization.reduction_search import Reductions
 from drivora_service.suites.minimization.shortening import Failure
 
 Content = dict[str, Any]

@@ -10,8 +10,8 @@ import pytest
 
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.trace import Col
-from drivora_service.observations.trace_file import read_trace
-from drivora_service.runs.report import RunSpec
+from drivora_service.observations.trace_files.trace_file import read_trace
+from drivora_service.runs.run_report import RunSpec
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import NpcVehicleDocument, NpcWalkerDocument

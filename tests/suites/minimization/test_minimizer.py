@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivora_service.api.examples import SCENARIO
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.scenario.documents import ScenarioDocument, parse_document
 from drivora_service.suites.minimization.edits import content_of
 from drivora_service.suites.minimization.minimizer import Minimizer, Phase

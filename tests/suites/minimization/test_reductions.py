@@ -15,15 +15,15 @@ from drivora_service.scenario.exporting import to_document
 from drivora_service.scenario.validation import validate_data
 from drivora_service.suites.minimization import removals
 from drivora_service.suites.minimization.edits import Edit, content_of, edited
+from drivora_service.suites.minimization.reduction_search import Proposal, Reductions, State
 from drivora_service.suites.minimization.rounding import DECIMALS, numbers, rounded
-from drivora_service.suites.minimization.search import Proposal, Reductions, State
+from drivora_service.suites.minimization.scenario_sizes import differences, size_of
 from drivora_service.suites.minimization.shortening import (
     Failure,
     less_time,
     route_lengths,
     sooner_ends,
 )
-from drivora_service.suites.minimization.sizes import differences, size_of
 from tests.suites.minimization.synthetic import checker
 
 EXAMPLES = Path(__file__).parents[3] / "openscenario_schemas" / "examples"

@@ -8,11 +8,11 @@ from datetime import UTC, datetime
 from typing import Any
 
 from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.runs.report import RunStatus
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.scenario.model import AgentChoice
-from drivora_service.store.records import Batch, BatchState, Priority
-from drivora_service.suites.paired.comparing import BatchRuns
-from drivora_service.suites.paired.runs import DrivenScenario, PairedRun
+from drivora_service.store.runs.run_records import Batch, BatchState, Priority
+from drivora_service.suites.paired.batch_pairing import BatchRuns
+from drivora_service.suites.paired.paired_runs import DrivenScenario, PairedRun
 
 _numbers = itertools.count()
 

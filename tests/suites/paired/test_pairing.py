@@ -8,8 +8,8 @@ from collections import Counter
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drivora_service.suites.paired.paired_runs import PairedRun
 from drivora_service.suites.paired.pairing import LeftOutReason, Pairing, pair_runs
-from drivora_service.suites.paired.runs import PairedRun
 from tests.suites.paired.samples import run
 
 RUNS = st.builds(

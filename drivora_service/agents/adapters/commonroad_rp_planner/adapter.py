@@ -30,7 +30,7 @@ from drivora_service.agents.adapters.forecast import (
     leave_out_followers,
 )
 from drivora_service.agents.adapters.lights import must_stop
-from drivora_service.agents.adapters.lines import directions
+from drivora_service.agents.adapters.path_lines import directions
 from drivora_service.agents.adapters.reference import Reference, find_reference
 from drivora_service.agents.interface import (
     AccelerationControl,
@@ -40,7 +40,7 @@ from drivora_service.agents.interface import (
 )
 from drivora_service.agents.remote.serving import serve
 from drivora_service.agents.remote.views import ContextView
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Col
 
 _DT, _STEPS = 0.1, 40

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drivora_service.agents.adapters.reference import find_reference
 from drivora_service.agents.remote.views import ContextView, LaneView
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 _REACH = 120.0, 160.0
 """Range of the search for places behind and ahead, metres: beyond all relevant actors."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.agents.adapters.dilu.decisions import Decision
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 _LITTLE = 0.1
 """m/s that count as no difference."""

@@ -16,7 +16,7 @@ from drivora_service.agents.adapters.dilu.situation import Beside, Neighbour
 from drivora_service.agents.adapters.forecast import LaneForecaster, leave_out_followers
 from drivora_service.agents.interface import Observation
 from drivora_service.agents.remote.views import VehicleView
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Col
 
 _OTHERS = 20

@@ -14,7 +14,7 @@ import fiss_planner as fp
 import numpy as np
 
 from drivora_service.agents.adapters.lights import must_stop
-from drivora_service.agents.adapters.lines import arc_of, normals, resampled
+from drivora_service.agents.adapters.path_lines import arc_of, normals, resampled
 from drivora_service.agents.adapters.route_lanes import (
     beside_one_another,
     lane_sequence,

@@ -21,8 +21,8 @@ from drivora_service.agents.adapters.forecast import (
     leave_out_followers,
 )
 from drivora_service.agents.adapters.lights import must_stop
-from drivora_service.agents.adapters.lines import directions
 from drivora_service.agents.adapters.overlap import overlap
+from drivora_service.agents.adapters.path_lines import directions
 from drivora_service.agents.adapters.reference import find_reference
 from drivora_service.agents.interface import (
     AccelerationControl,
@@ -32,7 +32,7 @@ from drivora_service.agents.interface import (
 )
 from drivora_service.agents.remote.serving import serve
 from drivora_service.agents.remote.views import ContextView
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Col
 
 _DT, _HORIZON = 0.1, 5.0

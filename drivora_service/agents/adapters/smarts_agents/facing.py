@@ -20,7 +20,7 @@ from drivora_service.agents.adapters.smarts_agents.scene import (
     VehicleState,
     Waypoint,
 )
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

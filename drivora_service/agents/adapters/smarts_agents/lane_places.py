@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.agents.adapters.lines import arc_of
+from drivora_service.agents.adapters.path_lines import arc_of
 from drivora_service.agents.remote.views import LaneView
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 _ODD_HEADING = 0.8
 """Maximum angle between a vehicle and the lane that it follows, radians."""

@@ -26,7 +26,7 @@ from drivora_service.agents.adapters.smarts_agents.scene import (
 from drivora_service.agents.adapters.smarts_agents.ways import RouteWays, Way
 from drivora_service.agents.interface import Observation
 from drivora_service.agents.remote.views import ContextView
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Col
 
 _WAYPOINTS = 51

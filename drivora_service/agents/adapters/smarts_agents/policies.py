@@ -17,7 +17,7 @@ import torch
 from numpy.typing import NDArray
 
 from drivora_service.agents.adapters.smarts_agents.scene import Scene
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 
 class Policy(Protocol):

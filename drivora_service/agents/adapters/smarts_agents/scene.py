@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 OFF_LANE = "off_lane"
 """SMARTS's lane id for vehicles off all lanes."""

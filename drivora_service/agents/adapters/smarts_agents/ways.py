@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.agents.adapters.lines import arc_of
+from drivora_service.agents.adapters.path_lines import arc_of
 from drivora_service.agents.adapters.route_lanes import (
     beside_one_another,
     lane_sequence,
@@ -19,7 +19,7 @@ from drivora_service.agents.adapters.route_lanes import (
 )
 from drivora_service.agents.adapters.smarts_agents.lane_places import lane_index
 from drivora_service.agents.remote.views import LaneView, RouteView
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 _BEYOND = 60.0
 """Metres of straight extension after the last lane of a route."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drivora_service.feedback.avfuzzer import SAFETY_MARGIN
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.search.components import Mutation, Selection
 from drivora_service.search.crossover import exchange_block
 from drivora_service.search.genes import GeneSpace

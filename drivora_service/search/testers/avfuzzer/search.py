@@ -15,7 +15,7 @@ import numpy as np
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import FeedbackChoice
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.components import Components
 from drivora_service.search.distance import farthest
 from drivora_service.search.mutation import RedrawSlice

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.search.selection import drawn_by
 
 INITIAL_GAIN = INITIAL_NOVELTY = 0.5

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.search.genes import GeneKind, GeneSpace, Part
 from drivora_service.search.mutation import effective_genes, shifted
 

@@ -18,7 +18,7 @@ from pydantic import Field
 from drivora_service.errors import SearchError
 from drivora_service.feedback.behavexplor import DEGREE, WINDOWS
 from drivora_service.feedback.measurement import FeedbackChoice
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin

@@ -18,7 +18,7 @@ import numpy as np
 from drivora_service.errors import SearchError
 from drivora_service.feedback.decictor import CONSISTENCY, REFERENCE
 from drivora_service.feedback.measurement import FeedbackChoice
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.runs.candidate import Reference
 from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from drivora_service.errors import SearchError
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.runs.adversary import ACTIONS, OBSERVATION_SIZE, Layer
 from drivora_service.search.testers.deepcollision.parameters import DeepcollisionParameters
 

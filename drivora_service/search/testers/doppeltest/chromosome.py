@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drivora_service.errors import SearchError
-from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.search.genes import Gene, GeneSpace, Part
 from drivora_service.search.testers.doppeltest.conflicts import RouteConflicts
 from drivora_service.search.testers.doppeltest.sections import ActorSection

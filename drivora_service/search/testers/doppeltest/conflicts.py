@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, IntArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

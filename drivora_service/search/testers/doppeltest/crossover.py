@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.selection import cumulated
 from drivora_service.search.testers.doppeltest.chromosome import PATH, START_TIME, Chromosome
 from drivora_service.search.testers.doppeltest.parameters import DoppelTestParameters

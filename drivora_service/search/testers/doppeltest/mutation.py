@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.mutation import redrawn
 from drivora_service.search.testers.doppeltest.chromosome import PATH, Chromosome

@@ -9,7 +9,7 @@ import numpy as np
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import FeedbackChoice
-from drivora_service.geometry.arrays import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.search.components import Components, Mutation, Selection
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.redrawing import Redrawing, without_effect

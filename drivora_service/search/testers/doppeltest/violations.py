@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.search.genes import Part
 from drivora_service.search.tester import Evaluation

@@ -13,7 +13,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.genes import Block, GeneSpace, Part
 
 ADDED = (Part.VEHICLE, Part.WALKER, Part.OBSTACLE, Part.PATCH)

@@ -13,7 +13,7 @@ import numpy as np
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import FeedbackChoice
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.components import Components
 from drivora_service.search.crossover import one_point
 from drivora_service.search.mutation import GaussianMutation

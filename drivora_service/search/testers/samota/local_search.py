@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.selection import best_first
 from drivora_service.search.testers.samota.archive import Database

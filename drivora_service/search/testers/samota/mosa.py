@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.search.components import Selection
 from drivora_service.search.selection import best_first
 from drivora_service.search.testers.samota.breeding import Breeding, Region

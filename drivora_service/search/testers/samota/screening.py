@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.search.testers.samota.surrogates import Fit, Surrogate
 
 SIGNIFICANCE = 3.0

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from drivora_service.geometry.arrays import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 
 SMOOTHING = 0.01
 """Ridge of the radial basis functions: similar scenarios may end differently."""

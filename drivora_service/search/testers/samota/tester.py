@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from drivora_service.feedback.measurement import FeedbackChoice
-from drivora_service.geometry.arrays import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.tester import (

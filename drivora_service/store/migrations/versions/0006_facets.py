@@ -5,7 +5,7 @@ from __future__ import annotations
 import sqlalchemy as sa
 from alembic import op
 
-from drivora_service.store.facets import Facet, facet_key
+from drivora_service.store.runs.facets import Facet, facet_key
 
 revision = "0006"
 down_revision = "0005"

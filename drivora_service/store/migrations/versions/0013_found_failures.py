@@ -10,10 +10,10 @@ import sqlalchemy as sa
 from alembic import op
 
 from drivora_service.errors import DrivoraError
-from drivora_service.oracles.failure_facts import failure_group
 from drivora_service.oracles.verdict import Outcome, Severity
-from drivora_service.oracles.verdict_json import verdict_from_json
-from drivora_service.runs.encoding import report_from_json
+from drivora_service.oracles.verdicts.failure_facts import failure_group
+from drivora_service.oracles.verdicts.verdict_json import verdict_from_json
+from drivora_service.runs.report_encoding import report_from_json
 
 revision = "0013"
 down_revision = "0012"

@@ -1,0 +1,1 @@
+"""What endpoints read from requests, and how they make their answers."""

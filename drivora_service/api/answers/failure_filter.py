@@ -1,0 +1,56 @@
+"""Query parameters that filter failures of all campaigns and batches."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import Depends, Query
+from pydantic import AwareDatetime
+
+from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.store.campaigns.campaign_records import Confirmation
+from drivora_service.store.failures.failure_records import FoundFilter
+
+
+async def _found_filter(
+    oracle: Annotated[str, Query(max_length=60, description="Of this oracle.")] = "",
+    group: Annotated[str, Query(max_length=40, description="Of the group of this id.")] = "",
+    at_fault: Annotated[bool | None, Query(description="By the fault of an ego, or not.")] = None,
+    accountability: Annotated[
+        Accountability | None,
+        Query(description="For which an ego is accountable so far; `avoidable`: its fault."),
+    ] = None,
+    agent: Annotated[str, Query(max_length=200, description="Of this agent.")] = "",
+    town: Annotated[str, Query(max_length=100, description="On this network.")] = "",
+    campaign: Annotated[str, Query(max_length=40, description="Found by this campaign.")] = "",
+    study: Annotated[
+        str, Query(max_length=40, description="Found by a campaign of this study.")
+    ] = "",
+    batch: Annotated[
+        str, Query(max_length=40, description="Of runs of this batch, outside campaigns.")
+    ] = "",
+    confirmation: Annotated[
+        Confirmation | None, Query(description="Whether it happened again, in a campaign.")
+    ] = None,
+    since: Annotated[
+        AwareDatetime | None, Query(description="Found at this time or later.")
+    ] = None,
+    until: Annotated[AwareDatetime | None, Query(description="Found before this time.")] = None,
+) -> FoundFilter:
+    return FoundFilter(
+        oracle=oracle,
+        group=group,
+        at_fault=at_fault,
+        accountability=accountability,
+        agent=agent,
+        town=town,
+        campaign_id=campaign,
+        study_id=study,
+        batch_id=batch,
+        confirmation=confirmation,
+        since=since,
+        until=until,
+    )
+
+
+FoundFailures = Annotated[FoundFilter, Depends(_found_filter)]

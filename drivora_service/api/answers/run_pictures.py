@@ -1,0 +1,157 @@
+"""Pictures of runs, drawn on request and kept in memory."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import OrderedDict
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from http import HTTPStatus
+from importlib.metadata import version
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import Query, Request, Response
+
+from drivora_service.api.context import ApiContext
+from drivora_service.api.guards.compression import coded_headers, compressed_answer
+from drivora_service.api.guards.entity_tags import digest, is_known
+from drivora_service.api.problem_details import ApiError
+from drivora_service.oracles.verdict import Verdict
+from drivora_service.oracles.verdicts.verdict_json import verdict_to_json
+
+if TYPE_CHECKING:
+    from drivora_service.networks.road_network import RoadNetwork
+
+SVG = "image/svg+xml"
+
+MOST_BYTES = 64 << 20
+"""Of all pictures that are kept."""
+MOST_WAITING = 64
+"""Pictures that wait to be drawn."""
+
+Moments = Annotated[
+    int, Query(ge=2, le=12, description="Moments side by side; fewer if the run is too short.")
+]
+
+
+class Pictures:
+    """Draws one picture at a time and keeps the last ones; used in one event loop.
+
+    The drawing library keeps settings for the whole process, so two threads must not draw at once.
+    A request that waits holds no thread: others are answered meanwhile.
+    """
+
+    def __init__(self, most_bytes: int = MOST_BYTES, most_waiting: int = MOST_WAITING) -> None:
+        """Keeps none yet.
+
+        Args:
+            most_bytes: Bytes of all pictures that are kept.
+            most_waiting: Pictures that wait to be drawn; further ones are refused.
+        """
+        self._most_bytes, self._most_waiting = most_bytes, most_waiting
+        self._drawer = ThreadPoolExecutor(max_workers=1, thread_name_prefix="pictures")
+        self._waiting: dict[str, asyncio.Future[bytes]] = {}
+        self._kept: OrderedDict[str, bytes] = OrderedDict()
+        self._bytes = 0
+
+    async def strip(
+        self,
+        name: str,
+        path: Path,
+        network: RoadNetwork,
+        verdicts: Sequence[Verdict],
+        *,
+        moments: int,
+    ) -> bytes:
+        """Returns a strip of moments of a run as SVG.
+
+        Args:
+            name: Stands for the picture's content; equal requests wait for one drawing.
+            path: Trace of the run.
+            network: Its road network.
+            verdicts: Its verdicts; the gravest violation determines the moments.
+            moments: Number of moments.
+
+        Raises:
+            ApiError: Too many pictures wait to be drawn.
+            StoreError: The trace cannot be read.
+        """
+        if name in self._kept:
+            self._kept.move_to_end(name)
+            return self._kept[name]
+        drawn = self._waiting.get(name)
+        if drawn is None:
+            if len(self._waiting) >= self._most_waiting:
+                raise ApiError(
+                    HTTPStatus.SERVICE_UNAVAILABLE,
+                    "too many pictures are being drawn; ask again in a few seconds",
+                    headers={"Retry-After": "2"},
+                )
+            drawn = self._waiting[name] = asyncio.get_running_loop().run_in_executor(
+                self._drawer, _draw, path, network, verdicts, moments
+            )
+            drawn.add_done_callback(partial(self._drawn, name))
+        # The client may go: others wait for the same, and it is kept.
+        return await asyncio.shield(drawn)
+
+    def _drawn(self, name: str, drawn: asyncio.Future[bytes]) -> None:
+        del self._waiting[name]
+        if drawn.cancelled() or drawn.exception() is not None:
+            return
+        picture = drawn.result()
+        self._kept[name] = picture
+        self._bytes += len(picture)
+        while self._bytes > self._most_bytes:
+            _, oldest = self._kept.popitem(last=False)
+            self._bytes -= len(oldest)
+
+
+async def picture_answer(
+    request: Request,
+    context: ApiContext,
+    path: Path,
+    *,
+    trace_sha256: str,
+    town: str,
+    verdicts: Sequence[Verdict],
+    moments: int,
+) -> Response:
+    """Answers with the strip of a run, which is drawn unless the client or the memory has it.
+
+    Args:
+        request: The request.
+        context: The application's context.
+        path: Trace of the run.
+        trace_sha256: Its hash.
+        town: Name of its road network.
+        verdicts: Its verdicts.
+        moments: Number of moments.
+
+    Raises:
+        UnknownName: The road network is not in the catalogue any more.
+    """
+    network = await asyncio.to_thread(context.networks.get, town)
+    # Equal recordings may have been judged by different oracles, and drawn by another version.
+    judged = digest("".join(verdict_to_json(one) for one in verdicts).encode())
+    parts = (trace_sha256[:32], network.sha256[:16], judged[:16], version("drivora"), str(moments))
+    etag = "-".join(parts)
+    _, headers = coded_headers(request, etag)
+    if is_known(request, headers["ETag"].strip('"')):
+        return Response(status_code=304, headers=headers)
+    pictures: Pictures = request.app.state.pictures
+    picture = await pictures.strip(etag, path, network, verdicts, moments=moments)
+    return compressed_answer(request, lambda: picture, media_type=SVG, etag=etag)
+
+
+def _draw(path: Path, network: RoadNetwork, verdicts: Sequence[Verdict], moments: int) -> bytes:
+    # Imported here: it takes half a second, and many services never draw.
+    from drivora_service.observations.trace_files.trace_file import read_trace
+    from drivora_service.plotting.strip import draw_strip
+
+    with TemporaryDirectory() as folder:
+        target = Path(folder) / "run.svg"
+        draw_strip(read_trace(path), network, verdicts, target, count=moments)
+        return target.read_bytes()

@@ -1,0 +1,94 @@
+"""Runs to be queued, from posted documents."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+from drivora_service.api.answers.catalogue_lookups import KnownAgents, KnownNetworks
+from drivora_service.api.context import ApiContext
+from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.scenario.agent_parameters import AgentParameter, with_agent_parameters
+from drivora_service.scenario.canonical import canonical_json
+from drivora_service.store.runs.run_records import NewRun
+
+if TYPE_CHECKING:
+    from drivora_service.scenario.validation import ValidScenario
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Overrides:
+    """The values of a request that override those of its documents.
+
+    Attributes:
+        agent: Drives every ego; "": as documented.
+        parameters: Parameters of the agents.
+        seed: Seeds the run; ``None``: as documented.
+    """
+
+    agent: str = ""
+    parameters: tuple[AgentParameter, ...] = ()
+    seed: int | None = None
+
+
+class Checker:
+    """Checks the documents of one request; what they have in common is looked up once."""
+
+    def __init__(self, context: ApiContext, overrides: Overrides) -> None:
+        self._networks = KnownNetworks(context.networks)
+        self._agents = KnownAgents(context.agents.availability())
+        self._overrides = overrides
+
+    def validated(
+        self, data: bytes | Mapping[str, Any], form: Literal["json", "yaml"] = "json"
+    ) -> ValidScenario:
+        """Parses and checks a document.
+
+        Raises:
+            InvalidDocument: It cannot be run; every problem is named.
+        """
+        # Imported here: it needs the compiler of kernels.
+        from drivora_service.scenario.validation import validate_data
+
+        agent = self._overrides.agent
+        valid = validate_data(data, self._networks, self._agents, form, driven_by=agent)
+        scenario = with_agent_parameters(
+            valid.scenario, self._overrides.parameters, self._agents, driven_by=agent
+        )
+        return replace(valid, scenario=scenario)
+
+
+def check_overrides(context: ApiContext, overrides: Overrides) -> None:
+    """Checks an agent's name.
+
+    Raises:
+        InvalidDocument: There is no such agent, or it is not installed.
+    """
+    if not overrides.agent:
+        return
+    known = context.agents.availability()
+    if overrides.agent not in known:
+        message = f"unknown agent {overrides.agent!r}; known: {', '.join(known)}"
+        raise InvalidDocument((Problem(pointer="", code="unknown_agent", message=message),))
+    if known[overrides.agent]:
+        message = f"agent {overrides.agent!r} cannot be run here: {known[overrides.agent]}"
+        raise InvalidDocument((Problem(pointer="", code="agent_not_installed", message=message),))
+
+
+def new_run(valid: ValidScenario, overrides: Overrides, *, item: int, label: str) -> NewRun:
+    """Returns the run of a scenario that can be run."""
+    scenario = valid.scenario
+    document = canonical_json(scenario)
+    names = dict.fromkeys(ego.agent.name for ego in scenario.ego_vehicles)
+    return NewRun(
+        document=document,
+        scenario_sha256=hashlib.sha256(document.encode()).hexdigest(),
+        town=scenario.map_region.town,
+        agent=overrides.agent or ",".join(names),
+        agent_override=overrides.agent,
+        seed_override=overrides.seed,
+        label=label,
+        item=item,
+    )

@@ -1,0 +1,1 @@
+"""What every request passes: limits, origin, tokens, sessions, idempotency, compression."""

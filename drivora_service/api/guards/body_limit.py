@@ -1,0 +1,131 @@
+"""Refuses bodies that are too large before they are read."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from http import HTTPStatus
+from types import MappingProxyType
+
+from starlette.datastructures import Headers
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from drivora_service.api.problem_details import ApiError, problem_response
+
+DRAIN_SECONDS = 2.0
+DRAIN_BYTES = 16 << 20
+"""Bytes that a client on the same machine sends in some hundredths of a second."""
+BODY_SECONDS = 20.0
+"""For which a client may send nothing, and after which it must have kept the speed below."""
+BODY_BYTES_A_SECOND = 16 << 10
+"""A client that sends more slowly, after the first seconds, only holds a connection."""
+_CLOSE = {"Connection": "close"}
+
+
+class BodyLimit:
+    """ASGI middleware: 413 for a body of more than ``max_bytes``.
+
+    A path may have a limit of its own. A declared length is judged before the application sees the
+    request; a chunked body is counted as it comes. The answer is sent at once and the connection
+    closed a little later: until then what still comes is thrown away, because a client that is
+    writing to a closed connection may lose the answer before it reads it. A client that continues
+    for longer than ``DRAIN_SECONDS`` or ``DRAIN_BYTES`` is cut off. A body that comes too slowly,
+    or does not come on, is answered with 408.
+    """
+
+    def __init__(
+        self, app: ASGIApp, *, max_bytes: int, of_paths: Mapping[str, int] = MappingProxyType({})
+    ) -> None:
+        """Prepares the limit.
+
+        Args:
+            app: What answers.
+            max_bytes: Greatest size of a body.
+            of_paths: The same for some paths.
+        """
+        self._app = app
+        self._max_bytes, self._of_paths = max_bytes, of_paths
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serves a request."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        declared = Headers(scope=scope).get("content-length", "0")
+        if not declared.isdecimal():
+            await _refuse(scope, receive, send, HTTPStatus.BAD_REQUEST, "bad Content-Length")
+            return
+        max_bytes = self._of_paths.get(scope["path"], self._max_bytes)
+        too_many = f"the body is larger than the {max_bytes} bytes that are allowed"
+        if len(declared) > 18 or int(declared) > max_bytes:
+            status = HTTPStatus.REQUEST_ENTITY_TOO_LARGE
+            await _refuse(scope, receive, send, status, too_many)
+            return
+        received = 0
+        too_large = False
+        complete = False
+        loop = asyncio.get_running_loop()
+        began = loop.time()
+
+        async def counted_receive() -> Message:
+            nonlocal received, too_large, complete
+            # What came fast must not pay for a client that then stops.
+            left = min(began + received / BODY_BYTES_A_SECOND, loop.time()) + BODY_SECONDS
+            try:
+                # After the body's end it is waited for the client to leave, as long as it likes.
+                async with asyncio.timeout_at(None if complete else left):
+                    message = await receive()
+            except TimeoutError:
+                raise ApiError(
+                    HTTPStatus.REQUEST_TIMEOUT,
+                    f"the body came too slowly: {received} bytes so far",
+                    headers=_CLOSE,
+                ) from None
+            complete = not message.get("more_body", False)
+            if message["type"] == "http.request":
+                received += len(message.get("body", b""))
+                if received > max_bytes:
+                    too_large = True
+                    status = HTTPStatus.REQUEST_ENTITY_TOO_LARGE
+                    raise ApiError(status, too_many, headers=_CLOSE)
+            return message
+
+        async def lingering_send(message: Message) -> None:
+            await (_send_and_linger(message, receive, send) if too_large else send(message))
+
+        await self._app(scope, counted_receive, lingering_send)
+
+
+async def _refuse(
+    scope: Scope, receive: Receive, send: Send, status: HTTPStatus, detail: str
+) -> None:
+    response = problem_response(status, detail, instance=scope["path"], headers=_CLOSE)
+
+    async def lingering_send(message: Message) -> None:
+        await _send_and_linger(message, receive, send)
+
+    await response(scope, receive, lingering_send)
+
+
+async def _send_and_linger(message: Message, receive: Receive, send: Send) -> None:
+    """Sends a part of an answer; after the last the connection stays open for a moment."""
+    if message["type"] != "http.response.body":
+        await send(message)
+        return
+    await send({**message, "more_body": True})
+    await _drain(receive)
+    await send({"type": "http.response.body", "body": b"", "more_body": False})
+
+
+async def _drain(receive: Receive) -> None:
+    """Discards input until the end of the body, the end of the connection or a limit."""
+    left = DRAIN_BYTES
+    try:
+        async with asyncio.timeout(DRAIN_SECONDS):
+            while left > 0:
+                message = await receive()
+                if message["type"] == "http.disconnect" or not message.get("more_body", False):
+                    return
+                left -= len(message.get("body", b""))
+    except TimeoutError:
+        return

@@ -1,0 +1,168 @@
+"""Connections of clients, with a limit of their number and deadlines."""
+
+from __future__ import annotations
+
+import asyncio
+import resource
+from http import HTTPStatus
+from typing import Any
+
+import h11
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from drivora_service.api.guards.load_guard import overloaded
+from drivora_service.api.guards.request_turns import Turns, is_urgent
+from drivora_service.api.problem_details import MEDIA_TYPE, ProblemDetails
+
+HEAD_SECONDS = 20.0
+"""From the opening of a connection, or the first byte of a further request, to the head's end."""
+STALL_SECONDS = 60.0
+"""For which a client may take nothing of an answer."""
+MOST_CONNECTIONS = 8192
+_OWN_DESCRIPTORS = 512
+"""Of the database, the workers and the files that answers are read from."""
+_MOST_DESCRIPTORS = 65_536
+
+
+def raise_descriptor_limit() -> int:
+    """Raises the limit of open files to the greatest that the system allows.
+
+    Returns:
+        How many connections of clients leave enough descriptors for everything else.
+    """
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = _MOST_DESCRIPTORS if hard == resource.RLIM_INFINITY else min(hard, _MOST_DESCRIPTORS)
+    if soft != resource.RLIM_INFINITY and soft < wanted:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
+        soft = wanted
+    descriptors = _MOST_DESCRIPTORS if soft == resource.RLIM_INFINITY else soft
+    return min(MOST_CONNECTIONS, max(descriptors // 4, descriptors - _OWN_DESCRIPTORS))
+
+
+class BoundedConnection(H11Protocol):
+    """One connection, with deadlines; one beyond ``most`` is told to come back later.
+
+    The server itself would wait for ever for the head of a request, and for a client that takes
+    nothing of its answer.
+
+    Attributes:
+        most: Connections that are served; set before the server starts.
+        turns: In which order requests are begun.
+    """
+
+    most = MOST_CONNECTIONS
+    turns = Turns()
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._deadline: asyncio.TimerHandle | None = None
+        self._stall: asyncio.TimerHandle | None = None
+        self._unread = b""
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override] # as the base class
+        """Takes a connection."""
+        super().connection_made(transport)
+        if len(self.connections) > self.most + self.most // 8:
+            transport.abort()
+            return
+        if len(self.connections) > self.most:
+            self.app = overloaded
+        self._await_head()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forgets a connection."""
+        self._stop_waiting()
+        self.resume_writing()
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Takes a part of a request; one that begins may have to wait for its turn."""
+        if self._unread:
+            self._unread += data
+            self.flow.pause_reading()
+        elif self.conn.their_state is not h11.IDLE or is_urgent(data):
+            self._read(data)
+        else:
+            # A request that waits for its turn is not an idle connection.
+            self._unset_keepalive_if_required()
+            self._unread = data
+            self.turns.begin(self._read_what_has_come)
+
+    def _read_what_has_come(self) -> None:
+        data, self._unread = self._unread, b""
+        if not data or self.transport.is_closing():
+            return
+        self.flow.resume_reading()
+        try:
+            self._read(data)
+        except BaseException:
+            self.transport.abort()
+            raise
+
+    def shutdown(self) -> None:
+        """Ends the connection once a request that has come is answered."""
+        self._read_what_has_come()
+        super().shutdown()
+
+    def _read(self, data: bytes) -> None:
+        super().data_received(data)
+        if self.conn.their_state is h11.IDLE and not self.transport.is_closing():
+            # A few bytes of the next head would end the waiting of the server for an idle client.
+            if self.timeout_keep_alive_task is None and self._deadline is None:
+                self._await_head()
+        else:
+            self._stop_waiting()
+
+    def pause_writing(self) -> None:
+        """Begins to wait for a client that does not read its answer."""
+        super().pause_writing()
+        if self._stall is None:
+            self._stall = self.loop.call_later(STALL_SECONDS, self.transport.abort)
+
+    def resume_writing(self) -> None:
+        """Continues when the client reads again."""
+        if self._stall is not None:
+            self._stall.cancel()
+            self._stall = None
+        super().resume_writing()
+
+    def send_400_response(self, msg: str) -> None:
+        """Refuses input that is not HTTP."""
+        self._refuse(HTTPStatus.BAD_REQUEST, f"{msg.rstrip('.')}: this is no HTTP/1.1")
+
+    def _await_head(self) -> None:
+        self._deadline = self.loop.call_later(HEAD_SECONDS, self._give_up)
+
+    def _stop_waiting(self) -> None:
+        if self._deadline is not None:
+            self._deadline.cancel()
+            self._deadline = None
+
+    def _give_up(self) -> None:
+        self._deadline = None
+        if self._unread:
+            # What has come waits for its turn; the time begins anew when it is read.
+            return
+        if self.transport.is_closing() or self.conn.their_state is not h11.IDLE:
+            return
+        self._refuse(
+            HTTPStatus.REQUEST_TIMEOUT, f"no request was complete within {HEAD_SECONDS:g} s"
+        )
+
+    def _refuse(self, status: HTTPStatus, detail: str) -> None:
+        """Answers outside of any request, and closes the connection."""
+        details = ProblemDetails(title=status.phrase, status=status.value, detail=detail)
+        body = details.model_dump_json().encode()
+        if self.conn.our_state in (h11.IDLE, h11.SEND_RESPONSE):
+            head = h11.Response(
+                status_code=status.value,
+                reason=status.phrase.encode(),
+                headers=[
+                    (b"content-type", MEDIA_TYPE.encode()),
+                    (b"content-length", str(len(body)).encode()),
+                    (b"connection", b"close"),
+                ],
+            )
+            for event in (head, h11.Data(data=body), h11.EndOfMessage()):
+                self.transport.write(self.conn.send(event))
+        self.transport.close()

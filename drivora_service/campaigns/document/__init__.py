@@ -1,0 +1,1 @@
+"""The campaign document: its model, reading, schema, and what its names mean."""

@@ -1,0 +1,44 @@
+"""The road networks and the gene spaces of a stored campaign."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.errors import CampaignError
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.search.genes import GeneSpace
+from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.store.campaigns.campaign_records import CampaignRecord
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchedSpace:
+    """The common parts of campaigns on one seed scenario."""
+
+    network: RoadNetwork
+    space: GeneSpace
+
+
+def searched_spaces_of(record: CampaignRecord, catalogues: Catalogues) -> tuple[SearchedSpace, ...]:
+    """Returns the network and the genes of each seed scenario of a campaign.
+
+    Raises:
+        InvalidDocument: A name in it is no longer available.
+        CampaignError: Its road network has changed since.
+        SearchError: Its space can no longer be built.
+    """
+    valid = read_campaign(record.document, catalogues)
+    if valid.network_sha256 != record.network_sha256:
+        raise CampaignError(
+            f"the road network {record.town!r} has changed since campaign {record.id} was made: "
+            "its gene space is no longer known; restore the old network, or leave the campaign out"
+        )
+    return tuple(
+        SearchedSpace(
+            network=seed.network,
+            space=ScenarioSpace(seed.scenario, seed.network, valid.campaign.space).genes,
+        )
+        for seed in valid.seeds
+    )

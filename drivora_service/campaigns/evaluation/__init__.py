@@ -1,0 +1,1 @@
+"""Evaluators: how the candidates of a campaign are run."""

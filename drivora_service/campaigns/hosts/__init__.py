@@ -1,0 +1,1 @@
+"""Where campaigns run: in processes of a service, or in a command."""

@@ -1,0 +1,1 @@
+"""What a campaign keeps: its journal, its folder, its row in the database."""

@@ -1,0 +1,1 @@
+"""The search of a campaign: engine, confirmation, and groups of failures."""

@@ -1,0 +1,65 @@
+"""From the report of a run to the evaluation that a tester is told."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+
+from drivora_service.campaigns.evaluator import Answer
+from drivora_service.errors import CampaignError
+from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.runs.run_report import RunReport, RunStatus
+from drivora_service.search.tester import Evaluation, EvaluationStatus
+from drivora_service.store.campaigns.campaign_records import EvaluationRecord
+
+
+def status_of(report: RunReport) -> EvaluationStatus:
+    """Returns the status of the evaluation of a simulated run."""
+    if report.status is RunStatus.FINISHED:
+        return EvaluationStatus.JUDGED
+    return EvaluationStatus.FAILED
+
+
+def refuse_lost(answer: Answer) -> None:
+    """Refuses a report without a result of the candidate, which must not affect the search.
+
+    Raises:
+        CampaignError: The workers were lost repeatedly, or the run was cancelled.
+    """
+    report = answer.report
+    if report.status in (RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED):
+        why = "" if report.failure is None else f": {report.failure.message}"
+        raise CampaignError(
+            f"evaluation {answer.number} was lost ({report.status}){why}. Resume the campaign to "
+            "try it again"
+        )
+
+
+def violations_of(report: RunReport, oracles: Collection[str]) -> tuple[Verdict, ...]:
+    """Returns the verdicts that count as failures, in the order of their times.
+
+    These are violations of the campaign's oracles, without those known to be another actor's fault.
+    """
+    found = [
+        verdict
+        for verdict in report.verdicts
+        if verdict.oracle in oracles
+        and verdict.outcome is Outcome.VIOLATED
+        and verdict.at_fault is not False
+    ]
+    return tuple(sorted(found, key=lambda v: math.inf if v.time is None else v.time))
+
+
+def evaluation_of(record: EvaluationRecord) -> Evaluation:
+    """Returns the evaluation that a tester is told."""
+    judged = record.status is EvaluationStatus.JUDGED
+    return Evaluation(
+        number=record.number,
+        proposal=record.proposal,
+        status=record.status,
+        violations=record.violations,
+        verdicts=record.report.verdicts if judged else (),
+        scores=record.report.scores if judged else {},
+        measurement=record.report.measurement if judged else None,
+        without_effect=record.report.without_effect if judged else (),
+    )

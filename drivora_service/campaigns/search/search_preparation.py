@@ -1,0 +1,143 @@
+"""From a validated campaign to a search that is ready to run."""
+
+from __future__ import annotations
+
+import math
+from importlib.metadata import version
+
+import numpy as np
+
+from drivora_service.campaigns.document.campaign import FeedbackMode
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import ValidCampaign
+from drivora_service.campaigns.search.engine import Search
+from drivora_service.campaigns.search.failure_kinds import FailureKinds
+from drivora_service.campaigns.search.seed_turns import SearchPart
+from drivora_service.campaigns.search.shuffled_feedback import ShuffledFeedback
+from drivora_service.errors import InvalidDocument, NetworkError, Problem, SearchError
+from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.planned_motion import PlannedMotion
+from drivora_service.scenario.model import NpcBehavior, Scenario
+from drivora_service.search.catalogue import components_named
+from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.space_candidates import ScenarioCandidates
+from drivora_service.search.tester import Checkpoints, Tester, TesterContext
+
+_SEARCH, _SHUFFLE = 0, 1
+"""Streams of random numbers that derive from a campaign's seed."""
+
+
+def prepare_search(
+    valid: ValidCampaign,
+    catalogues: Catalogues,
+    *,
+    run_prefix: str,
+    checkpoints: Checkpoints | None = None,
+) -> Search:
+    """Builds the search of a campaign: its gene space and its tester.
+
+    The same campaign always gives the same search.
+
+    Args:
+        valid: The campaign.
+        catalogues: Catalogues for its names.
+        run_prefix: Prefix of the ids of the runs.
+        checkpoints: Place for checkpoints of the tester; unused with several seed scenarios, since
+            it numbers the evaluations of one tester.
+
+    Raises:
+        InvalidDocument: The gene space cannot be built, or the tester cannot search it.
+    """
+    campaign = valid.campaign
+    plugin = catalogues.testers.plugin(campaign.tester.name)
+    if plugin.compares_paths and campaign.space.behavior is NpcBehavior.SUMO:
+        message = (
+            f"found 'sumo'; tester {plugin.name!r} keeps actors out of the way of the egos, and "
+            "where SUMO drives them is not known before: use 'replay' or 'reactive'"
+        )
+        raise InvalidDocument(
+            (Problem(pointer="/space/behavior", code="unplanned_motion", message=message),)
+        )
+    agents = frozenset(catalogues.agents.names())
+    parts = []
+    for place, seed in enumerate(valid.seeds):
+        named = f"seed scenario {seed.name!r}: " if seed.name else ""
+        try:
+            space = ScenarioSpace(seed.scenario, seed.network, campaign.space)
+        except (SearchError, NetworkError) as error:
+            raise _refusal("/space", "space", named, error) from error
+        try:
+            kept = checkpoints if len(valid.seeds) == 1 else None
+            tester = _tester(valid, catalogues, space, place, kept)
+        except SearchError as error:
+            raise _refusal("/tester", "tester", named, error) from error
+        parts.append(
+            SearchPart(
+                tester=tester,
+                candidates=ScenarioCandidates(
+                    space=space,
+                    networks=catalogues.networks,
+                    agents=agents,
+                    motions=_planned_motions,
+                ),
+                kind_of=FailureKinds(seed.network),
+            )
+        )
+    return Search(
+        run_prefix=run_prefix,
+        parts=tuple(parts),
+        feedback=plugin.feedback,
+        oracles=frozenset(campaign.oracles),
+        budget=campaign.budget,
+        lookahead=campaign.lookahead,
+    )
+
+
+def search_versions() -> dict[str, str]:
+    """Returns the versions of the software that determines a search, by name."""
+    packages = ("drivora", "numpy", "scipy", "libsumo")
+    return {name: version(name) for name in packages}
+
+
+def _tester(
+    valid: ValidCampaign,
+    catalogues: Catalogues,
+    space: ScenarioSpace,
+    place: int,
+    checkpoints: Checkpoints | None,
+) -> Tester:
+    """Makes the tester of the seed scenario at a place."""
+    campaign, choice = valid.campaign, valid.campaign.tester
+    context = TesterContext(
+        space=space.genes,
+        random=_generator(campaign.seed, _SEARCH, place),
+        budget=math.ceil(campaign.budget / len(valid.seeds)),
+        conflicts=space.conflicts,
+        decode_alike=space.decode_alike,
+        ego_distance=space.ego_distance,
+        checkpoints=checkpoints,
+    )
+    components = components_named(mutation=choice.mutation, selection=choice.selection)
+    tester = catalogues.testers.create(choice.name, context, choice.parameters, components)
+    if choice.feedback is FeedbackMode.SHUFFLED:
+        return ShuffledFeedback(tester, _generator(campaign.seed, _SHUFFLE, place))
+    return tester
+
+
+def _generator(seed: int, stream: int, place: int) -> np.random.Generator:
+    # That of the first seed scenario is the same with and without others.
+    key = (stream, place) if place else (stream,)
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))
+
+
+def _planned_motions(
+    scenario: Scenario, network: RoadNetwork, until: float
+) -> tuple[PlannedMotion, ...]:
+    # Imported here: only few candidates are decoded outside workers, and it loads the simulation.
+    from drivora_service.simulation.followers.free_motion import planned_motions
+
+    return planned_motions(scenario, network, until)
+
+
+def _refusal(pointer: str, code: str, named: str, error: Exception) -> InvalidDocument:
+    return InvalidDocument((Problem(pointer=pointer, code=code, message=f"{named}{error}"),))

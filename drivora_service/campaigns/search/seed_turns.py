@@ -1,0 +1,99 @@
+"""The turns of seed scenarios in one campaign.
+
+The next candidate is one of the seed scenario with the fewest simulations so far, the first of them
+if there are several, among those whose testers have one to propose. So each gets the same share of
+the budget, but for one simulation, as long as its tester proposes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from drivora_service.campaigns.search.search_candidates import Candidates
+from drivora_service.errors import CampaignError
+from drivora_service.oracles.verdict import Verdict
+from drivora_service.search.tester import Evaluation, Proposal, Tester
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchPart:
+    """The search from one seed scenario.
+
+    Attributes:
+        kind_of: Returns the kind of failure of a violation.
+    """
+
+    tester: Tester
+    candidates: Candidates
+    kind_of: Callable[[Verdict], str]
+
+
+class Turn:
+    """A part of a search, and what it has had.
+
+    Its tester knows its own candidates only, numbered from 0.
+
+    Attributes:
+        place: Place of its seed scenario in the campaign, from 0.
+        valid: Candidates that are not known to be invalid.
+        is_dry: Whether its tester has nothing to propose at the moment.
+    """
+
+    def __init__(self, part: SearchPart, place: int) -> None:
+        """Begins with nothing asked."""
+        self.part, self.place = part, place
+        self.valid = 0
+        self.is_dry = False
+        self._numbers: list[int] = []
+        self._places: dict[int, int] = {}
+
+    def take(self, proposal: Proposal, number: int) -> Proposal:
+        """Counts a proposal of the tester; returns it with the numbers of the campaign.
+
+        Args:
+            proposal: The proposal.
+            number: Its number in the campaign.
+
+        Raises:
+            CampaignError: It names a parent that the tester has not proposed before.
+        """
+        for parent in proposal.parents:
+            if not 0 <= parent < len(self._numbers):
+                raise CampaignError(
+                    f"the tester proposed a child of its candidate {parent}; it has proposed "
+                    f"{len(self._numbers)} before, numbered from 0"
+                )
+        parents = tuple(self._numbers[parent] for parent in proposal.parents)
+        self._places[number] = len(self._numbers)
+        self._numbers.append(number)
+        self.valid += 1
+        return replace(proposal, parents=parents)
+
+    def of_tester(self, evaluation: Evaluation) -> Evaluation:
+        """Returns an evaluation of the campaign with the numbers of the tester."""
+        proposal = evaluation.proposal
+        parents = tuple(self._places[parent] for parent in proposal.parents)
+        return replace(
+            evaluation,
+            number=self._places[evaluation.number],
+            proposal=replace(proposal, parents=parents),
+        )
+
+
+class Turns:
+    """Chooses whose turn it is; a function of what was asked and told."""
+
+    def __init__(self, parts: Sequence[SearchPart]) -> None:
+        """Begins with nothing asked."""
+        self._turns = tuple(Turn(part, place) for place, part in enumerate(parts))
+
+    def begin(self) -> None:
+        """Notes that a tester has been told something, and may have more to propose."""
+        for turn in self._turns:
+            turn.is_dry = False
+
+    def next(self) -> Turn | None:
+        """Returns whose turn it is; ``None`` if no tester has anything to propose."""
+        able = [turn for turn in self._turns if not turn.is_dry]
+        return min(able, key=lambda turn: (turn.valid, turn.place), default=None)

@@ -1,0 +1,1 @@
+"""The client of a command: of a service, or of the application in its own process."""

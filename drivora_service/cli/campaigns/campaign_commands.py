@@ -1,0 +1,377 @@
+"""``drivora campaign``."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.campaigns.campaign_export_command import export
+from drivora_service.cli.campaigns.campaign_presets_command import presets
+from drivora_service.cli.campaigns.comparison_commands import compare, report
+from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.terminal.error_printing import say_error
+from drivora_service.cli.terminal.options import (
+    DataDirOption,
+    ExecutorOption,
+    GateOracleOption,
+    RayAddressOption,
+    ServerOption,
+    location,
+)
+from drivora_service.cli.terminal.out_option import check_file, check_folder
+from drivora_service.cli.terminal.output import (
+    JsonOption,
+    fail,
+    note,
+    print_json,
+    print_shape,
+    write_text,
+)
+from drivora_service.errors import ConfigurationError, InvalidDocument, ServiceError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from drivora_service.api.schemas.campaigns import Campaign
+    from drivora_service.cli.runs.run_gates import Gate
+    from drivora_service.client import Client
+
+app = typer.Typer(help="Searches for failures of an ADS.", no_args_is_help=True)
+
+IdArgument = Annotated[str, typer.Argument(metavar="ID", help="Id of a campaign.")]
+WorkersOption = Annotated[
+    int | None,
+    typer.Option(
+        min=1,
+        help="Worker processes, on a Ray cluster of each node [default: as the campaign says, or "
+        "one a core]; not with --server.",
+    ),
+]
+EvaluatorOption = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME", help="Evaluator to use, by its name [default: local]; not with --server."
+    ),
+]
+OutOption = Annotated[
+    Path | None,
+    typer.Option(metavar="DIR", help="Write scenario and trace of each failure there."),
+]
+DetachOption = Annotated[
+    bool, typer.Option("--detach", help="With --server: do not wait until it has ended.")
+]
+GateOption = Annotated[
+    bool,
+    typer.Option(
+        "--gate", help="Exit with 1 if any failure was found that an ego is accountable for."
+    ),
+]
+
+
+@app.command()
+def run(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A campaign, as YAML or JSON.")],
+    workers: WorkersOption = None,
+    out: OutOption = None,
+    evaluator: EvaluatorOption = "",
+    executor: ExecutorOption = None,
+    ray_address: RayAddressOption = None,
+    gate: GateOption = False,
+    gate_oracle: GateOracleOption = None,
+    detach: DetachOption = False,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Runs a campaign; an interrupt (Ctrl-C) pauses it, and then exits with 3.
+
+    With --server the service runs it; an interrupt then only ends the watching.
+    """
+    _refuse_detaching(detach, server)
+    check_folder(out)
+    with connected(
+        server,
+        data_dir,
+        works=True,
+        makes_data=True,
+        workers=workers,
+        evaluator=evaluator,
+        executor=executor,
+        ray_address=ray_address,
+        on_error=say_error,
+    ) as client:
+        import json
+
+        from drivora_service.cli.campaigns.campaign_files import read_campaign_file
+
+        with _problems_of(file):
+            document = read_campaign_file(file)
+            chosen = _gate_of_document(document, gate_oracle or (), is_wanted=gate)
+            campaign = client.post_campaign(json.dumps(document))
+        for remark in campaign.notes:
+            note(f"note: {remark}")
+        note(f"campaign {campaign.id}")
+        _finish(
+            client,
+            campaign,
+            server,
+            data_dir,
+            out=out,
+            gate=chosen,
+            detach=detach,
+            as_json=as_json,
+        )
+
+
+@app.command()
+def resume(
+    campaign_id: IdArgument,
+    workers: WorkersOption = None,
+    out: OutOption = None,
+    evaluator: EvaluatorOption = "",
+    executor: ExecutorOption = None,
+    ray_address: RayAddressOption = None,
+    gate: GateOption = False,
+    gate_oracle: GateOracleOption = None,
+    detach: DetachOption = False,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Resumes a campaign that was paused, failed or killed, as if it had not been interrupted."""
+    _refuse_detaching(detach, server)
+    check_folder(out)
+    with connected(
+        server,
+        data_dir,
+        works=True,
+        workers=workers,
+        evaluator=evaluator,
+        executor=executor,
+        ray_address=ray_address,
+        on_error=say_error,
+    ) as client:
+        document = client.campaign(campaign_id).document
+        chosen = _gate_of_document(document, gate_oracle or (), is_wanted=gate)
+        campaign = client.resume_campaign(campaign_id)
+        _finish(
+            client,
+            campaign,
+            server,
+            data_dir,
+            out=out,
+            gate=chosen,
+            detach=detach,
+            as_json=as_json,
+        )
+
+
+@app.command("list")
+def list_campaigns(
+    limit: Annotated[int, typer.Option(min=1, max=1000, help="How many.")] = 50,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Lists campaigns, newest first."""
+    with connected(server, data_dir) as client:
+        campaigns = tuple(client.campaigns(limit=limit))
+    from drivora_service.cli.campaigns.campaign_output import print_campaigns
+    from drivora_service.store.campaigns.campaign_records import CampaignSummary
+
+    if as_json:
+        print_shape(tuple[CampaignSummary, ...], campaigns)
+    else:
+        print_campaigns(campaigns)
+
+
+@app.command()
+def show(
+    campaign_id: IdArgument,
+    evaluation: Annotated[
+        int | None,
+        typer.Option(min=0, metavar="N", help="Show this evaluation and its ancestors."),
+    ] = None,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Shows a campaign and the failures that it has found, or one of its evaluations."""
+    with connected(server, data_dir) as client:
+        if evaluation is None:
+            _show(client, client.campaign(campaign_id), as_json=as_json)
+            return
+        found = client.evaluation(campaign_id, evaluation)
+    from drivora_service.cli.campaigns.campaign_output import print_evaluation
+
+    if as_json:
+        print_shape(type(found), found)
+    else:
+        print_evaluation(found)
+
+
+@app.command()
+def scenario(
+    campaign_id: IdArgument,
+    number: Annotated[int, typer.Argument(metavar="N", min=0, help="Number of an evaluation.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Where to write it [default: print it].")
+    ] = None,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+) -> None:
+    """Prints the scenario of an evaluation, for `drivora run`."""
+    check_file(out)
+    with connected(server, data_dir) as client:
+        text = client.evaluation_scenario(campaign_id, number)
+    write_text(text, out)
+
+
+@app.command()
+def pause(
+    campaign_id: IdArgument,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Pauses a campaign, whichever process runs it."""
+    with connected(server, data_dir) as client:
+        _say_state(client.pause_campaign(campaign_id), as_json=as_json)
+
+
+@app.command()
+def cancel(
+    campaign_id: IdArgument,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Cancels a campaign permanently; what it has found stays."""
+    with connected(server, data_dir) as client:
+        _say_state(client.cancel_campaign(campaign_id), as_json=as_json)
+
+
+app.command()(compare)
+app.command()(report)
+app.command()(export)
+app.command()(presets)
+
+
+@contextmanager
+def _problems_of(file: Path) -> Iterator[None]:
+    """Prints what is wrong with a campaign file, each problem with its place."""
+    try:
+        yield
+    except InvalidDocument as error:
+        fail(f"{file}: {len(error.problems)} problem(s)")
+        for problem in error.problems:
+            typer.echo(f"  {problem.pointer or '/'}: {problem.message}", err=True)
+        raise typer.Exit(ExitCode.USAGE_ERROR) from error
+
+
+def _refuse_detaching(detach: bool, server: str) -> None:
+    if detach and not server:
+        raise ConfigurationError(
+            "--detach is for campaigns of a service (--server): a campaign of this process ends "
+            "with it"
+        )
+
+
+def _finish(
+    client: Client,
+    campaign: Campaign,
+    server: str,
+    data_dir: Path | None,
+    *,
+    out: Path | None,
+    gate: Gate | None,
+    detach: bool,
+    as_json: bool,
+) -> None:
+    """Follows a campaign to its end, shows it and judges it."""
+    from drivora_service.cli.campaigns.campaign_running import (
+        export_campaign,
+        follow,
+        pause_and_wait,
+    )
+    from drivora_service.store.campaigns.campaign_records import CampaignState
+
+    if detach:
+        if as_json:
+            _show(client, campaign, as_json=True)
+        return
+    where = f"{campaign.id} {location(server, data_dir)}".rstrip()
+    try:
+        campaign = follow(client, campaign.id)
+    except KeyboardInterrupt as error:
+        if server:
+            note(f"the service continues it; stop it with: drivora campaign pause {where}")
+            raise typer.Exit(ExitCode.NOT_DONE) from error
+        campaign = pause_and_wait(client, campaign.id)
+    except ServiceError:
+        # It has been stored, whatever has become of it.
+        note(f"campaign {campaign.id}: drivora campaign show {where}")
+        raise
+    if out is not None:
+        export_campaign(client, campaign, out)
+    _show(client, campaign, as_json=as_json)
+    if campaign.state in (
+        CampaignState.PAUSED,
+        CampaignState.FAILED,
+        CampaignState.INTERRUPTED,
+    ):
+        note(f"{campaign.state}; resume it with: drivora campaign resume {where}")
+    if campaign.state is not CampaignState.FINISHED:
+        raise typer.Exit(ExitCode.NOT_DONE)
+    if gate is not None:
+        from drivora_service.cli.runs.run_gates import violations_of_campaign
+
+        failures = ((one.evaluation, one.verdict) for one in client.failures(campaign.id))
+        answer = gate.judge(violations_of_campaign(failures))
+        note(str(answer))
+        if answer.fails:
+            raise typer.Exit(ExitCode.GATE_FAILED)
+
+
+def _gate_of_document(
+    document: Mapping[str, Any], wanted: Sequence[str], *, is_wanted: bool
+) -> Gate | None:
+    """Reads the gate of a campaign: of the oracles whose violations it counts as failures.
+
+    It is read before the campaign is posted, so that a wrong one stores nothing.
+    """
+    if not (wanted or is_wanted):
+        return None
+    from drivora_service.campaigns.document.campaign import DEFAULT_ORACLES
+    from drivora_service.cli.runs.run_gates import Gate, read_gate
+
+    counted = document.get("oracles", DEFAULT_ORACLES)
+    if not isinstance(counted, list | tuple):
+        # It is refused with the document.
+        return Gate()
+    try:
+        return read_gate(wanted, [str(one) for one in counted], counted_by="the campaign")
+    except ConfigurationError as error:
+        fail(str(error))
+        raise typer.Exit(ExitCode.USAGE_ERROR) from error
+
+
+def _show(client: Client, campaign: Campaign, *, as_json: bool) -> None:
+    from drivora_service.cli.campaigns.campaign_output import campaign_content, print_campaign
+
+    if as_json:
+        print_json(campaign_content(campaign, tuple(client.failures(campaign.id))))
+    else:
+        print_campaign(campaign)
+
+
+def _say_state(campaign: Campaign, *, as_json: bool) -> None:
+    if as_json:
+        print_shape(type(campaign), campaign)
+        return
+    requested = f", {campaign.request} requested" if campaign.request else ""
+    typer.echo(f"campaign {campaign.id} is {campaign.state}{requested}")

@@ -1,0 +1,81 @@
+"""The progress of a campaign on a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from rich.console import Console, Group
+from rich.live import Live
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.text import Text
+
+from drivora_service.cli.terminal.output import number
+
+if TYPE_CHECKING:
+    from drivora_service.api.schemas.campaigns import Campaign
+
+
+class CampaignDisplay:
+    """A progress bar and a line of counts below it."""
+
+    def __init__(self, budget: int) -> None:
+        """Begins with no simulation."""
+        self._bar = Progress(
+            BarColumn(bar_width=30),
+            TextColumn("{task.completed}/{task.total} simulations"),
+            TimeElapsedColumn(),
+            TextColumn("{task.fields[pace]}"),
+        )
+        self._task = self._bar.add_task("", total=budget, pace="")
+        self._found = Text()
+
+    def __rich__(self) -> Group:
+        """Returns the bar and the line."""
+        return Group(self._bar, self._found)
+
+    def show(self, campaign: Campaign) -> None:
+        """Shows the progress of a campaign."""
+        left = "" if campaign.left_s is None else f", {duration(campaign.left_s)} left"
+        pace = "" if campaign.rate is None else f"{campaign.rate:.1f}/s{left}"
+        self._bar.update(self._task, completed=campaign.simulations, pace=pace)
+        self._found.plain = _found(campaign)
+
+
+@contextmanager
+def campaign_display(budget: int) -> Iterator[CampaignDisplay]:
+    """Shows a campaign on standard error while it runs."""
+    display, console = CampaignDisplay(budget), Console(stderr=True)
+    try:
+        with Live(display, console=console, refresh_per_second=4):
+            yield display
+    finally:
+        if not console.is_terminal:
+            # The next output would otherwise stand in the same line.
+            console.line()
+
+
+def _found(campaign: Campaign) -> str:
+    counts = campaign.counts
+    parts = [
+        f"failing {counts.violating}: {len(campaign.kinds)} kinds, {counts.at_fault} at fault, "
+        f"{counts.avoidable or 0} avoidable",
+        f"invalid {counts.invalid}",
+    ]
+    if counts.failed:
+        parts.append(f"without a result {counts.failed}")
+    for name, best in list(campaign.best.items())[:1]:
+        parts.append(f"best {name.replace('_', ' ')} {number(best.value, 3)}")
+    confirmed = sum(kind.confirmed for kind in campaign.kinds)
+    flaky = sum(kind.flaky for kind in campaign.kinds)
+    if confirmed or flaky:
+        parts.append(f"confirmed {confirmed}, flaky {flaky}")
+    return " · ".join(parts)
+
+
+def duration(seconds: float) -> str:
+    """Returns seconds as minutes and seconds, with the hours if there are any."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"

@@ -1,0 +1,76 @@
+"""``drivora campaign export``."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.terminal.options import DataDirOption, ServerOption
+from drivora_service.cli.terminal.out_option import check_folder, writing
+from drivora_service.cli.terminal.output import JsonOption, note, print_json
+
+
+class Each(StrEnum):
+    """The failures of which one is taken."""
+
+    KIND = "kind"
+    GROUP = "group"
+    FAILURE = "failure"
+
+
+class Counts(StrEnum):
+    """The failures that are taken at all."""
+
+    ACCOUNTABLE = "accountable"
+    AT_FAULT = "at_fault"
+    ANY = "any"
+
+
+def export(
+    campaigns: Annotated[list[str], typer.Argument(metavar="ID…", help="Ids of campaigns.")],
+    suite: Annotated[
+        Path,
+        typer.Option("--suite", metavar="DIR", help="Folder of the suite; made if it is missing."),
+    ],
+    each: Annotated[
+        Each, typer.Option(help="Take the first failure of each kind or group, or every one.")
+    ] = Each.GROUP,
+    counts: Annotated[
+        Counts,
+        typer.Option(help="Take what an ego is accountable for, is at fault for, or all."),
+    ] = Counts.ACCOUNTABLE,
+    most: Annotated[
+        int | None, typer.Option(min=1, help="Most scenarios that are added [default: all].")
+    ] = None,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Adds the scenarios of found failures to a suite, which has none twice."""
+    check_folder(suite)
+    with connected(server, data_dir) as client:
+        from drivora_service.cli.campaigns.campaign_scenarios import found_scenarios
+        from drivora_service.suites.gate.counted_failures import Counted
+        from drivora_service.suites.suite_exporting import export_scenarios
+
+        found = found_scenarios(client, campaigns, each=each, counted=Counted(counts), most=most)
+        with writing(suite):
+            done = export_scenarios(suite, found, name=suite.resolve().name)
+    if as_json:
+        print_json(
+            {
+                "suite": str(done.suite_file),
+                "added": [str(path) for path in done.added],
+                "known": done.known,
+            }
+        )
+        return
+    for path in done.added:
+        print(path)
+    if done.is_new:
+        note(f"{done.suite_file} is new")
+    note(f"{len(done.added)} scenarios added to {suite}, {done.known} were there already")

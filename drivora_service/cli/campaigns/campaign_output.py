@@ -1,0 +1,168 @@
+"""Campaigns as commands print them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from drivora_service.api.schemas.campaigns import Campaign, Evaluation, Failure
+from drivora_service.cli.terminal.output import number, print_table
+from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountability
+from drivora_service.shapes import adapter
+from drivora_service.store.campaigns.campaign_records import (
+    CampaignCounts,
+    CampaignSummary,
+    EvaluationSummary,
+)
+
+_SHOWN = 40
+"""Evaluations of a lineage in a table."""
+
+
+def campaign_content(campaign: Campaign, failures: Sequence[Failure]) -> dict[str, Any]:
+    """Returns the printed form of a campaign: as the API shows it, with its failures."""
+    told: dict[str, Any] = adapter(Campaign).dump_python(campaign, mode="json")
+    listed = adapter(tuple[Failure, ...]).dump_python(tuple(failures), mode="json")
+    return {**told, "failures": listed}
+
+
+def print_campaigns(campaigns: Sequence[CampaignSummary]) -> None:
+    """Prints a row a campaign."""
+    print_table(
+        "",
+        ("id", "name", "state", "tester", "runs", "failing"),
+        (
+            (
+                campaign.id,
+                campaign.name,
+                campaign.state,
+                campaign.tester,
+                f"{campaign.simulations}/{campaign.budget}",
+                str(campaign.counts.violating),
+            )
+            for campaign in campaigns
+        ),
+        cut=("name",),
+    )
+
+
+def print_campaign(campaign: Campaign) -> None:
+    """Prints one campaign at length."""
+    counts = campaign.counts
+    print(f"Campaign {campaign.id} ({campaign.name}): {campaign.state}")
+    if campaign.message:
+        print(f"  {campaign.message}")
+    print(f"  {campaign.tester} against {campaign.agent} on {campaign.town}")
+    print(
+        f"  {campaign.simulations} of {campaign.budget} simulations in {campaign.active_s:.0f} s "
+        f"({number(campaign.rate, 2)} a second); {counts.invalid} candidates invalid, "
+        f"{counts.failed} runs without a result"
+    )
+    print(f"  {counts.violating} failing ({_accountable(counts)})")
+    if campaign.seeds:
+        _print_seeds(campaign)
+    if campaign.kinds:
+        print_table(
+            "Failures",
+            (
+                "kind",
+                "runs",
+                "violations",
+                "at fault",
+                "avoidable",
+                "confirmed",
+                "flaky",
+                "groups",
+                "first",
+            ),
+            (
+                (
+                    kind.kind.replace("|", " | "),
+                    str(kind.failures),
+                    str(kind.violations),
+                    str(kind.at_fault),
+                    str(kind.avoidable),
+                    str(kind.confirmed),
+                    str(kind.flaky),
+                    "-" if kind.groups is None else str(kind.groups),
+                    f"#{kind.first}",
+                )
+                for kind in campaign.kinds
+            ),
+        )
+
+
+def _print_seeds(campaign: Campaign) -> None:
+    print_table(
+        "Seed scenarios",
+        (
+            "name",
+            "network",
+            "runs",
+            "failing",
+            "at fault",
+            "avoidable",
+            "kinds",
+            "first",
+            "first avoidable",
+        ),
+        (
+            (
+                seed.name,
+                seed.town,
+                str(seed.simulations),
+                str(seed.violating),
+                str(seed.at_fault),
+                str(seed.avoidable),
+                str(seed.kinds),
+                "-" if seed.first_failure is None else f"#{seed.first_failure}",
+                "-" if seed.first_avoidable is None else f"#{seed.first_avoidable}",
+            )
+            for seed in campaign.seeds
+        ),
+        cut=("name",),
+    )
+
+
+def _accountable(counts: CampaignCounts) -> str:
+    parts = [f"{counts.at_fault} at fault"]
+    if counts.avoidable is not None:
+        parts.append(f"{counts.avoidable} of them avoidable, {counts.unavoidable} not")
+    if counts.undetermined:
+        parts.append(f"{counts.undetermined} undetermined")
+    return "; ".join(parts)
+
+
+def print_evaluation(evaluation: Evaluation) -> None:
+    """Prints an evaluation and the nearest of its ancestors."""
+    print(f"Evaluation {evaluation.number}: {evaluation.status}")
+    for ego in evaluation.privileged:
+        print(f"  {ego} sees everything, not only what the perception model lets through")
+    if evaluation.error is not None:
+        print(f"  {evaluation.error.cause}: {evaluation.error.message}")
+    for verdict in evaluation.failures:
+        words = IN_WORDS[accountability(verdict)]
+        fault = f", {words}" if words else ""
+        print(f"  {verdict.oracle} at {number(verdict.time)} s{fault}: {verdict.message}")
+    if evaluation.objectives:
+        objectives = evaluation.objectives.items()
+        print("  " + ", ".join(f"{name} {number(value, 3)}" for name, value in objectives))
+    ancestors: tuple[EvaluationSummary, ...] = evaluation.lineage
+    print_table(
+        "Lineage",
+        ("evaluation", "generation", "origin", "parents", "status", "failures"),
+        (
+            (
+                f"#{member.number}",
+                str(member.generation),
+                member.origin,
+                ", ".join(f"#{parent}" for parent in member.parents) or "-",
+                str(member.status),
+                str(member.violations),
+            )
+            for member in (*ancestors[1 - _SHOWN :], evaluation)
+        ),
+        wrap=("parents",),
+    )
+    if len(ancestors) >= _SHOWN:
+        print(f"{len(ancestors) + 1 - _SHOWN} earlier ancestors; --json prints them as well")

@@ -1,0 +1,1 @@
+"""``drivora agents``, ``oracles``, ``testers``, ``laws`` and ``networks``."""

@@ -1,0 +1,108 @@
+"""``drivora agents``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.catalogues.benchmark_command import benchmark
+from drivora_service.cli.terminal.options import DataDirOption, ServerOption
+from drivora_service.cli.terminal.output import (
+    JsonOption,
+    named,
+    note,
+    print_json,
+    print_models,
+    print_table,
+)
+from drivora_service.cli.terminal.parameter_output import print_parameters
+
+app = typer.Typer(help="ADSs that can drive an ego.", no_args_is_help=True)
+app.command()(benchmark)
+
+
+@app.command("list")
+def list_agents(
+    server: ServerOption = "", data_dir: DataDirOption = None, as_json: JsonOption = False
+) -> None:
+    """Lists the agents."""
+    with connected(server, data_dir) as client:
+        agents = client.agents().items
+    if as_json:
+        print_models(agents)
+        return
+    print_table(
+        "",
+        ("name", "kind", "usable", "licence", "source"),
+        (
+            (
+                agent.name,
+                agent.kind,
+                "yes" if agent.installed else "no",
+                agent.licence or "none stated",
+                agent.source,
+            )
+            for agent in agents
+        ),
+        cut=("licence", "source"),
+    )
+    for agent in agents:
+        if not agent.installed:
+            print(f"{agent.name} cannot be used yet: {agent.reason}")
+    print("Description and parameters of an agent: `drivora agents show NAME`")
+
+
+@app.command()
+def show(
+    name: Annotated[str, typer.Argument(help="An agent of `drivora agents list`.")],
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Shows an agent with its parameters."""
+    with connected(server, data_dir) as client:
+        agent = named("agent", name, client.agents().items)
+    if as_json:
+        print_json(agent.model_dump(mode="json"))
+        return
+    print(f"{agent.name} ({agent.kind}): {agent.description}")
+    print(f"From: {agent.source}. Licence: {agent.licence or 'none stated'}")
+    print(f"Version: {agent.version or 'none stated'}")
+    if agent.privileged:
+        print("It sees everything, not only what the perception model lets through")
+    if not agent.installed:
+        print(f"It cannot be used yet: {agent.reason}")
+    if agent.parameters is None:
+        print("It does not say which parameters it takes: they are not checked before a run")
+    elif agent.parameters:
+        print_parameters(agent.parameters)
+    else:
+        print("It takes no parameters")
+
+
+@app.command()
+def install(
+    name: Annotated[str, typer.Argument(help="An agent of `drivora agents list`.")],
+    again: Annotated[
+        bool, typer.Option("--again", help="Install it even if it is installed.")
+    ] = False,
+    data_dir: DataDirOption = None,
+) -> None:
+    """Fetches what an agent needs: an environment of its own, or files of other packages."""
+    from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.cli.application.installation import settings_for
+
+    settings = settings_for(data_dir)
+    catalogue = AgentCatalogue(folder=settings.agents_folder)
+    entry = catalogue.entry(name)
+    note(f"{entry.name}: {entry.source}; licence: {entry.licence or 'none stated'}")
+    done = catalogue.install(name, again=again)
+    reason = catalogue.entry(name).reason
+    if reason:
+        note(f"{name} still cannot be used: {reason}")
+    elif done:
+        typer.echo(f"installed {name} in {settings.agents_folder}")
+    else:
+        typer.echo(f"{name} needs nothing more to be installed")

@@ -1,0 +1,92 @@
+"""``drivora networks``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.terminal.options import DataDirOption, ServerOption
+from drivora_service.cli.terminal.output import JsonOption, print_json, print_models, print_table
+
+app = typer.Typer(help="Road networks that scenarios may take place on.", no_args_is_help=True)
+
+
+@app.command("list")
+def list_networks(
+    server: ServerOption = "", data_dir: DataDirOption = None, as_json: JsonOption = False
+) -> None:
+    """Lists the networks, shipped and imported."""
+    with connected(server, data_dir) as client:
+        networks = client.networks().items
+    if as_json:
+        print_models(networks)
+    else:
+        for network in networks:
+            typer.echo(network.name)
+
+
+@app.command()
+def show(
+    name: Annotated[str, typer.Argument(help="A network of `drivora networks list`.")],
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Describes a network."""
+    with connected(server, data_dir) as client:
+        facts = client.network(name).model_dump(mode="json")
+    if as_json:
+        print_json(facts)
+    else:
+        rows = ((key.replace("_", " "), _text(facts[key])) for key in facts)
+        print_table("", ("fact", "value"), rows, wrap=("value",))
+
+
+@app.command("import")
+def import_network(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A .net.xml, .xodr or .osm file.")],
+    name: Annotated[str, typer.Option(help="Name in the catalogue [default: the file's].")] = "",
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Replace an imported network of that name.")
+    ] = False,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Imports a network for scenarios that are run here, or on a service."""
+    chosen = name or file.name.partition(".")[0]
+    if not server:
+        _import_here(file, chosen, data_dir, replace=replace)
+    with connected(server, data_dir) as client:
+        network = (
+            client.import_network(file, chosen, replace=replace)
+            if server
+            else client.network(chosen)
+        )
+    if as_json:
+        print_json(network.model_dump(mode="json"))
+    else:
+        typer.echo(
+            f"imported {chosen}: {network.drivable_km:.1f} km of lanes, "
+            f"{network.traffic_lights} traffic lights"
+        )
+
+
+def _import_here(file: Path, name: str, data_dir: Path | None, *, replace: bool) -> None:
+    """Imports a network into the data folder; its user is trusted with larger files."""
+    from drivora_service.cli.application.installation import settings_for
+    from drivora_service.cli.terminal.private_files import private_files
+    from drivora_service.networks.importing.network_importing import import_network
+
+    folder = settings_for(data_dir).imported_networks_dir
+    with private_files():
+        import_network(file, name, folder, replace=replace)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list):
+        return ", ".join(f"{item:g}" for item in value)
+    return {True: "yes", False: "no"}[value] if isinstance(value, bool) else str(value)

@@ -1,0 +1,68 @@
+"""``drivora oracles``."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.terminal.options import ServerOption
+from drivora_service.cli.terminal.output import (
+    JsonOption,
+    named,
+    print_json,
+    print_models,
+    print_table,
+)
+
+app = typer.Typer(help="The oracles that runs are judged by.", no_args_is_help=True)
+
+
+@app.command("list")
+def list_oracles(server: ServerOption = "", as_json: JsonOption = False) -> None:
+    """Lists the oracles in the order of judging."""
+    with connected(server, None) as client:
+        oracles = client.oracles().items
+    if as_json:
+        print_models(oracles)
+        return
+    print_table(
+        "",
+        ("name", "package", "usable", "description"),
+        (
+            (
+                oracle.name,
+                oracle.package or oracle.file or "built in",
+                "yes" if oracle.installed else f"no: {oracle.reason}",
+                oracle.description,
+            )
+            for oracle in oracles
+        ),
+        wrap=("usable", "description"),
+    )
+
+
+@app.command()
+def show(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of an oracle.")],
+    server: ServerOption = "",
+    as_json: JsonOption = False,
+) -> None:
+    """Shows an oracle with its thresholds."""
+    with connected(server, None) as client:
+        oracle = named("oracle", name, client.oracles().items)
+    if as_json:
+        print_json(oracle.model_dump(mode="json"))
+        return
+    print(f"{oracle.name}: {oracle.description or oracle.reason}")
+    if oracle.formula:
+        print(f"Formula: {oracle.formula}\nSource: {oracle.source}")
+    if oracle.thresholds:
+        print_table(
+            "",
+            ("threshold", "value (SI units)"),
+            ((key, json.dumps(value)) for key, value in oracle.thresholds.items()),
+            wrap=("value (SI units)",),
+        )

@@ -1,0 +1,62 @@
+"""``drivora testers``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.terminal.options import ServerOption
+from drivora_service.cli.terminal.output import (
+    JsonOption,
+    named,
+    print_json,
+    print_models,
+    print_table,
+)
+from drivora_service.cli.terminal.parameter_output import print_parameters
+
+app = typer.Typer(help="The methods that can search for failures.", no_args_is_help=True)
+
+
+@app.command("list")
+def list_testers(server: ServerOption = "", as_json: JsonOption = False) -> None:
+    """Lists the testers."""
+    with connected(server, None) as client:
+        testers = client.testers().items
+    if as_json:
+        print_models(testers)
+        return
+    print_table(
+        "",
+        ("name", "method", "in generations", "usable", "description"),
+        (
+            (
+                tester.name,
+                tester.title,
+                "yes" if tester.generational else "no",
+                "yes" if tester.installed else f"no: {tester.reason}",
+                tester.description,
+            )
+            for tester in testers
+        ),
+        wrap=("usable", "description"),
+    )
+
+
+@app.command()
+def show(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a tester.")],
+    server: ServerOption = "",
+    as_json: JsonOption = False,
+) -> None:
+    """Shows a tester with its parameters."""
+    with connected(server, None) as client:
+        tester = named("tester", name, client.testers().items)
+    if as_json:
+        print_json(tester.model_dump(mode="json"))
+        return
+    print(f"{tester.title} ({tester.name}): {tester.description}")
+    print(f"Source: {tester.source}. Measured by: {tester.feedback}")
+    print_parameters(tester.parameters)

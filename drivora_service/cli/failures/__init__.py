@@ -1,0 +1,1 @@
+"""``drivora failures`` and ``drivora minimize``."""

@@ -1,0 +1,98 @@
+"""Failures of all campaigns and batches, and their groups, as commands print them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import typer
+
+from drivora_service.cli.terminal.output import print_table
+from drivora_service.store.failures.group_records import ChangedPart, GroupChange, SinceBaseline
+
+if TYPE_CHECKING:
+    from datetime import datetime
+
+    from drivora_service.api.schemas.failure_groups import FailureGroup
+    from drivora_service.api.schemas.failures import FoundFailure
+
+
+def print_failures(failures: Sequence[FoundFailure]) -> None:
+    """Prints a row a failure."""
+    print_table(
+        "",
+        ("failure", "group", "found at", "agent", "what happened"),
+        [
+            (str(one.id), one.group_id, _moment(one.found_at), one.agent, one.sentence)
+            for one in failures
+        ],
+        wrap=("what happened",),
+    )
+
+
+def print_groups(groups: Sequence[FailureGroup]) -> None:
+    """Prints a row a group, and how many are new, the same and gone since a baseline."""
+    compared = any(one.since_baseline for one in groups)
+    print_table(
+        "",
+        (
+            "group",
+            "status",
+            *(("since",) if compared else ()),
+            "failures",
+            "count",
+            "last seen",
+            "assignee",
+            "what",
+        ),
+        [
+            (
+                one.id,
+                "fixed, back" if one.is_back else one.status.replace("_", " "),
+                *((one.since_baseline or "",) if compared else ()),
+                str(one.failures),
+                str(one.avoidable),
+                _moment(one.last_seen),
+                one.assignee,
+                _title(one),
+            )
+            for one in groups
+        ],
+        wrap=("what",),
+    )
+    if compared:
+        numbers = [
+            f"{sum(one.since_baseline is since for one in groups)} {since}"
+            for since in SinceBaseline
+        ]
+        typer.echo(f"since the baseline: {', '.join(numbers)}")
+
+
+def print_group(group: FailureGroup, changes: Sequence[GroupChange]) -> None:
+    """Prints a group and what was decided about it, the last first."""
+    print_groups((group,))
+    typer.echo(group.sentence)
+    if group.note:
+        typer.echo(group.note)
+    for change in changes:
+        typer.echo(f"{_moment(change.at)} {change.by or 'somebody'}: {_told(change)}")
+
+
+def _title(group: FailureGroup) -> str:
+    return group.label or "; ".join(group.names)
+
+
+def _told(change: GroupChange) -> str:
+    match change.what:
+        case ChangedPart.MERGED:
+            return f"merged {change.after} into it"
+        case ChangedPart.SPLIT:
+            if change.after:
+                return f"split it off {change.before}"
+            return f"split {change.before} off"
+        case what:
+            return f"{what} {change.before or '(none)'} → {change.after or '(none)'}"
+
+
+def _moment(time: datetime) -> str:
+    return f"{time.astimezone():%Y-%m-%d %H:%M}"

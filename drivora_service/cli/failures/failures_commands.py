@@ -1,0 +1,318 @@
+"""``drivora failures``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.terminal.options import DataDirOption, ServerOption, one_of
+from drivora_service.cli.terminal.output import JsonOption, fail, print_shape
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from drivora_service.api.schemas.failure_groups import FailureGroup
+    from drivora_service.client import Client
+    from drivora_service.oracles.verdicts.accountability import Accountability
+    from drivora_service.store.failures.failure_records import FoundFilter
+
+app = typer.Typer(
+    help="Failures of all campaigns and batches, and what was decided about them.",
+    no_args_is_help=True,
+)
+
+_GroupArgument = Annotated[str, typer.Argument(metavar="GROUP", help="Id of a group of failures.")]
+_ByOption = Annotated[
+    str, typer.Option(metavar="NAME", help="Who decides [default: the name of the user].")
+]
+_OracleOption = Annotated[str, typer.Option(metavar="NAME", help="Of this oracle.")]
+_AgentOption = Annotated[str, typer.Option(metavar="NAME", help="Of this agent.")]
+_TownOption = Annotated[str, typer.Option(metavar="NAME", help="On this road network.")]
+_AccountabilityOption = Annotated[
+    str,
+    typer.Option(
+        metavar="WORD", help="For which an ego is accountable so far, such as `avoidable`."
+    ),
+]
+_CampaignOption = Annotated[str, typer.Option(metavar="ID", help="Found by this campaign.")]
+_StudyOption = Annotated[str, typer.Option(metavar="ID", help="Found by this study.")]
+_BatchOption = Annotated[str, typer.Option(metavar="ID", help="Of runs of this batch.")]
+_LimitOption = Annotated[int, typer.Option(min=1, max=10_000, help="How many.")]
+
+
+@app.command("list")
+def list_failures(
+    group: Annotated[str, typer.Option(metavar="GROUP", help="Of this group.")] = "",
+    oracle: _OracleOption = "",
+    agent: _AgentOption = "",
+    town: _TownOption = "",
+    accountability: _AccountabilityOption = "",
+    campaign: _CampaignOption = "",
+    study: _StudyOption = "",
+    batch: _BatchOption = "",
+    limit: _LimitOption = 50,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Lists failures, the last found first."""
+    wanted = _wanted(group, oracle, agent, town, accountability, campaign, study, batch)
+    with connected(server, data_dir) as client:
+        from drivora_service.api.schemas.failures import FoundFailure
+
+        failures = tuple(client.found_failures(wanted, limit=limit))
+    if as_json:
+        print_shape(tuple[FoundFailure, ...], failures)
+    else:
+        from drivora_service.cli.failures.failure_output import print_failures
+
+        print_failures(failures)
+
+
+@app.command()
+def groups(
+    status: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="STATUS",
+            help="With this status (new, known, fixed, will_not_fix); may be repeated.",
+        ),
+    ] = None,
+    assignee: Annotated[
+        str, typer.Option(metavar="NAME", help="Of which this person takes care.")
+    ] = "",
+    baseline: Annotated[
+        str,
+        typer.Option(
+            metavar="ID|TIME",
+            help="Compare with the failures of this batch, campaign or study, or with those found "
+            "before a time such as 2026-11-20T08:00:00Z.",
+        ),
+    ] = "",
+    since_baseline: Annotated[
+        str,
+        typer.Option(metavar="WORD", help="That stand so to the baseline: new, same, gone."),
+    ] = "",
+    oracle: _OracleOption = "",
+    agent: _AgentOption = "",
+    town: _TownOption = "",
+    accountability: _AccountabilityOption = "",
+    campaign: _CampaignOption = "",
+    study: _StudyOption = "",
+    batch: _BatchOption = "",
+    limit: _LimitOption = 50,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Lists groups of failures, the last seen first."""
+    from drivora_service.errors import InvalidDocument
+    from drivora_service.store.failures.group_records import GroupStatus, SinceBaseline
+
+    wanted = _wanted("", oracle, agent, town, accountability, campaign, study, batch)
+    statuses = tuple(one_of(GroupStatus, one, "--status") for one in status or ())
+    if since_baseline and not baseline:
+        raise typer.BadParameter("needs --baseline", param_hint="--since-baseline")
+    since = one_of(SinceBaseline, since_baseline, "--since-baseline") if since_baseline else None
+    with connected(server, data_dir) as client:
+        from drivora_service.api.schemas.failure_groups import FailureGroup
+
+        listing = client.failure_groups(
+            wanted,
+            statuses=statuses,
+            assignee=assignee,
+            baseline=baseline,
+            since_baseline=since,
+            limit=limit,
+        )
+        try:
+            found = tuple(listing)
+        except InvalidDocument as error:
+            raise typer.BadParameter(error.problems[0].message, param_hint="--baseline") from error
+    if as_json:
+        print_shape(tuple[FailureGroup, ...], found)
+    else:
+        from drivora_service.cli.failures.failure_output import print_groups
+
+        print_groups(found)
+
+
+@app.command()
+def show(
+    group: _GroupArgument,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Shows a group, and what was decided about it."""
+    with connected(server, data_dir) as client:
+        found = client.failure_group(group)
+        changes = client.failure_group_changes(group)
+    if as_json:
+        print_shape(type(found), found)
+    else:
+        from drivora_service.cli.failures.failure_output import print_group
+
+        print_group(found, changes.items)
+
+
+@app.command()
+def decide(
+    group: _GroupArgument,
+    status: Annotated[
+        str,
+        typer.Option(metavar="STATUS", help="Its status: new, known, fixed or will_not_fix."),
+    ] = "",
+    label: Annotated[
+        str | None, typer.Option(metavar="TEXT", help='Its name; "": told by what it is.')
+    ] = None,
+    assignee: Annotated[
+        str | None, typer.Option(metavar="NAME", help='Who takes care of it; "": nobody.')
+    ] = None,
+    note: Annotated[str | None, typer.Option(metavar="TEXT", help="A note.")] = None,
+    by: _ByOption = "",
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Sets the status, label, assignee or note of a group; what is left out stays."""
+    from drivora_service.store.failures.group_records import GroupStatus
+
+    if not status and label is None and assignee is None and note is None:
+        raise typer.BadParameter("name one of --status, --label, --assignee and --note")
+    new_status = one_of(GroupStatus, status, "--status") if status else None
+    _write(
+        server,
+        data_dir,
+        lambda client: client.decide_group(
+            group,
+            status=new_status,
+            label=label,
+            assignee=assignee,
+            note=note,
+            by=by or _user(),
+        ),
+        as_json=as_json,
+    )
+
+
+@app.command()
+def merge(
+    into: Annotated[str, typer.Argument(metavar="GROUP", help="Id of the group that stays.")],
+    others: Annotated[
+        list[str],
+        typer.Argument(metavar="OTHER…", help="Ids of the groups whose failures come to it."),
+    ],
+    by: _ByOption = "",
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Puts the failures of groups into another one, also those found later."""
+    _write(
+        server,
+        data_dir,
+        lambda client: client.merge_groups(into, others, by=by or _user()),
+        as_json=as_json,
+    )
+
+
+@app.command()
+def split(
+    group: _GroupArgument,
+    failure: Annotated[
+        list[int] | None,
+        typer.Option(metavar="ID", help="A failure to split off; may be repeated."),
+    ] = None,
+    name: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="A name of the group, whose failures are split off, also those found later; may "
+            "be repeated.",
+        ),
+    ] = None,
+    label: Annotated[str, typer.Option(metavar="TEXT", help="Name of the new group.")] = "",
+    by: _ByOption = "",
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Makes a group of a part of another one."""
+    if not failure and not name:
+        raise typer.BadParameter("name what to split off: --failure or --name")
+    _write(
+        server,
+        data_dir,
+        lambda client: client.split_group(
+            group, failures=failure or (), names=name or (), label=label, by=by or _user()
+        ),
+        as_json=as_json,
+    )
+
+
+def _write(
+    server: str,
+    data_dir: Path | None,
+    do: Callable[[Client], FailureGroup],
+    *,
+    as_json: bool,
+) -> None:
+    from drivora_service.cli.exit_codes import ExitCode
+    from drivora_service.errors import RequestConflict
+
+    with connected(server, data_dir) as client:
+        try:
+            found = do(client)
+        except RequestConflict as error:
+            fail(str(error))
+            raise typer.Exit(ExitCode.USAGE_ERROR) from error
+    if as_json:
+        print_shape(type(found), found)
+    else:
+        from drivora_service.cli.failures.failure_output import print_groups
+
+        print_groups((found,))
+
+
+def _wanted(
+    group: str,
+    oracle: str,
+    agent: str,
+    town: str,
+    accountability: str,
+    campaign: str,
+    study: str,
+    batch: str,
+) -> FoundFilter:
+    from drivora_service.store.failures.failure_records import FoundFilter
+
+    return FoundFilter(
+        group=group,
+        oracle=oracle,
+        agent=agent,
+        town=town,
+        accountability=_accountability(accountability),
+        campaign_id=campaign,
+        study_id=study,
+        batch_id=batch,
+    )
+
+
+def _accountability(word: str) -> Accountability | None:
+    from drivora_service.oracles.verdicts.accountability import Accountability
+
+    return one_of(Accountability, word, "--accountability") if word else None
+
+
+def _user() -> str:
+    """Returns the name of the user, or "" where none can be told."""
+    import getpass
+
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        return ""

@@ -1,0 +1,1 @@
+"""``drivora run``, ``runs``, ``replay``, ``rejudge`` and ``plot``."""

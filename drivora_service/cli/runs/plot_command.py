@@ -1,0 +1,96 @@
+"""``drivora plot``."""
+
+from __future__ import annotations
+
+import tempfile
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.terminal.options import DataDirOption, ServerOption
+from drivora_service.cli.terminal.output import JsonOption, print_json
+from drivora_service.errors import ConfigurationError
+
+
+class ColorBy(StrEnum):
+    """Meaning of the colours of the egos' trails."""
+
+    ACTOR = "actor"
+    TIME = "time"
+
+
+def plot(
+    run: Annotated[
+        str,
+        typer.Argument(metavar="RUN|TRACE", help="Id of a run, or a trace file (.parquet)."),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Picture, .svg or .png [default: RUN.svg]."),
+    ] = None,
+    color_by: Annotated[
+        ColorBy, typer.Option(help="Meaning of the colours of the egos' trails.")
+    ] = ColorBy.ACTOR,
+    oracle: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Mark violations of this oracle only; may be repeated."),
+    ] = None,
+    moments: Annotated[
+        int | None,
+        typer.Option(
+            min=2,
+            max=12,
+            help="Draw a strip of so many moments that lead to the gravest violation, around its "
+            "ego, rather than the whole run.",
+        ),
+    ] = None,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Draws a run from above: roads, trails, signals, and the place of each violation."""
+    from drivora_service.cli.application.installation import settings_for
+    from drivora_service.cli.terminal.out_option import check_file
+    from drivora_service.cli.terminal.trace_drawing import draw_trace
+
+    settings = settings_for(data_dir)
+    target = out or Path(f"{Path(run).name.partition('.')[0]}.svg")
+    if target.suffix.lower() not in (".svg", ".png"):
+        raise ConfigurationError(f"a picture is .svg or .png, not {target.name!r}")
+    if moments is not None and color_by is ColorBy.TIME:
+        raise ConfigurationError(
+            "--color-by time colours the trails of a whole run: leave it out with --moments"
+        )
+
+    check_file(target)
+
+    def draw(trace: Path) -> None:
+        draw_trace(
+            trace, settings, target, color_by=color_by.value, oracles=oracle or (), moments=moments
+        )
+
+    trace = Path(run)
+    if trace.suffix == ".parquet" and trace.is_file():
+        draw(trace)
+    elif "/" in run or "." in run:
+        # No id has such characters.
+        raise ConfigurationError(
+            f"{run}: neither a trace file (.parquet) nor the id of a run; `drivora runs list` "
+            "shows the ids"
+        )
+    else:
+        with (
+            # With --server the data folder is for imported networks.
+            connected(server, None if server else data_dir) as client,
+            tempfile.TemporaryDirectory(prefix="drivora-") as scratch,
+        ):
+            trace = Path(scratch) / "run.trace.parquet"
+            client.save_run_observations(trace, run)
+            draw(trace)
+    if as_json:
+        print_json({"picture": str(target)})
+    else:
+        typer.echo(str(target))

@@ -1,0 +1,214 @@
+"""Replays of stored runs, in this process or on a service."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from drivora_service.cli.runs.file_running import named_when_stopped, problems_of_item
+from drivora_service.cli.terminal.out_option import writing
+from drivora_service.cli.terminal.private_files import give_to_user
+from drivora_service.client import Client
+from drivora_service.errors import InvalidDocument, NotFound, Problem, StoreError
+from drivora_service.observations.trace_files.trace_file import read_trace
+from drivora_service.scenario.documents import document_text, parse_document
+from drivora_service.store.engine.chunks import batched
+from drivora_service.store.failures.failure_records import FoundFilter
+from drivora_service.store.runs.run_records import JobFilter, Priority
+from drivora_service.suites.replay.replay_comparing import (
+    Original,
+    Recording,
+    compare,
+    not_replayed,
+    why_not,
+)
+from drivora_service.suites.replay.replay_records import Replay, ReplayOutcome
+
+_RUNS_OF_BATCH = 500
+"""A service limits the size of a request, and scenarios may be large."""
+
+
+def chosen_runs(
+    client: Client, runs: Sequence[str], *, batch: str, campaign: str
+) -> tuple[str, ...]:
+    """Returns the ids of the runs to replay, each once.
+
+    Args:
+        client: Client of the application or service that stores them.
+        runs: Ids of runs.
+        batch: Id of a batch, all runs of which are chosen; "": none.
+        campaign: Id of a campaign, whose failures are chosen; "": none.
+
+    Raises:
+        NotFound: There is no such batch or campaign.
+    """
+    chosen = [*runs]
+    if batch:
+        client.batch(batch)
+        chosen += [run.id for run in client.runs(JobFilter(batch_id=batch), oldest_first=True)]
+    if campaign:
+        client.campaign(campaign)
+        found = [one.run_id for one in client.found_failures(FoundFilter(campaign_id=campaign))]
+        chosen += reversed(found)
+    return tuple(dict.fromkeys(chosen))
+
+
+def read_originals(client: Client, runs: Sequence[str]) -> list[Original]:
+    """Reads the runs that are to be replayed.
+
+    Raises:
+        NotFound: There is no run of one of the ids.
+    """
+    networks: dict[str, tuple[str, str]] = {}
+    originals = []
+    for run in map(client.run, runs):
+        network_sha256 = ""
+        if run.campaign_id and not run.trace_sha256:
+            if run.campaign_id not in networks:
+                campaign = client.campaign(run.campaign_id)
+                networks[run.campaign_id] = (campaign.town, campaign.network_sha256)
+            town, sha256 = networks[run.campaign_id]
+            network_sha256 = sha256 if town == run.town else ""
+        originals.append(Original(run=run, network_sha256=network_sha256))
+    return originals
+
+
+def replay_runs(
+    client: Client,
+    originals: Sequence[Original],
+    *,
+    name: str,
+    out: Path | None,
+    where: str,
+    on_replay: Callable[[Replay], None],
+) -> list[Replay]:
+    """Runs the scenarios of stored runs again and compares, in the order of the runs.
+
+    Args:
+        client: Client of the application or service that stores the runs and runs them again.
+        originals: The runs.
+        name: Name of the batch of the new runs.
+        out: Folder for the recordings of runs that diverge; ``None``: they are not written.
+        where: Options with which other commands find the new runs.
+        on_replay: Called with each replay, in any order.
+
+    Raises:
+        ServiceError: The service refused, did not answer, or cannot begin runs.
+    """
+    replays: dict[str, Replay] = {}
+
+    def tell(replay: Replay) -> None:
+        replays[replay.run.id] = replay
+        on_replay(replay)
+
+    for chunk in batched(originals, _RUNS_OF_BATCH):
+        documents: dict[str, str] = {}
+        posted: list[Original] = []
+        for original in chunk:
+            reason = why_not(original) or _read_document(client, original, documents)
+            if reason:
+                tell(not_replayed(original, reason))
+            else:
+                posted.append(original)
+        if posted:
+            _replay_batch(client, posted, documents, name=name, out=out, where=where, tell=tell)
+    return [replays[original.run.id] for original in originals]
+
+
+def _read_document(client: Client, original: Original, documents: dict[str, str]) -> str:
+    """Reads the scenario of a run; returns why it cannot be run, or ""."""
+    run = original.run
+    try:
+        documents[run.id] = document_text(parse_document(client.run_scenario(run.id)))
+    except NotFound:
+        return "its scenario is not stored: it was an invalid candidate"
+    except InvalidDocument as error:
+        return f"its scenario cannot be read by this version: {_in_words(error.problems)}"
+    return ""
+
+
+def _replay_batch(
+    client: Client,
+    originals: Sequence[Original],
+    documents: Mapping[str, str],
+    *,
+    name: str,
+    out: Path | None,
+    where: str,
+    tell: Callable[[Replay], None],
+) -> None:
+    try:
+        submission = client.post_batch(
+            [documents[original.run.id] for original in originals],
+            labels=[f"replay of {original.run.id}" for original in originals],
+            seeds=[original.run.seed for original in originals],
+            name=name,
+            priority=Priority.INTERACTIVE,
+        )
+    except InvalidDocument as error:
+        for place, original in enumerate(originals):
+            problems = problems_of_item(error.problems, place)
+            tell(not_replayed(original, _refused(problems)))
+        return
+    for item in submission.items:
+        if item.problems:
+            listed = [
+                Problem(pointer=p.pointer, code=p.code, message=p.message) for p in item.problems
+            ]
+            tell(not_replayed(originals[item.item], _refused(listed)))
+    with (
+        named_when_stopped(submission.batch.id, where),
+        TemporaryDirectory(prefix="drivora-") as scratch,
+    ):
+        files = Path(scratch) / "original.parquet", Path(scratch) / "replayed.parquet"
+        for again in client.wait_for_batch(submission.batch.id):
+            original = originals[again.item]
+            before, after = (
+                _recording(client, run_id, is_recorded, whose, file)
+                for run_id, is_recorded, whose, file in (
+                    (original.run.id, bool(original.run.trace_sha256), "the run", files[0]),
+                    (again.id, bool(again.trace_sha256), "the replay", files[1]),
+                )
+            )
+            replay = compare(original, again, before, after)
+            if out is not None and replay.outcome is ReplayOutcome.DIVERGED:
+                replay = replace(replay, files=tuple(_kept(files, out, replay.run.id)))
+            tell(replay)
+
+
+def _recording(client: Client, run_id: str, is_recorded: bool, whose: str, file: Path) -> Recording:
+    """Fetches and reads the recording of a run, whose file is left where it was wanted."""
+    file.unlink(missing_ok=True)
+    if not is_recorded:
+        return Recording(lack=f"{whose} has no recording")
+    try:
+        client.save_run_observations(file, run_id)
+        return Recording(trace=read_trace(file))
+    except NotFound:
+        return Recording(lack=f"the recording of {whose} was removed")
+    except StoreError as error:
+        return Recording(lack=f"the recording of {whose} cannot be read: {error}")
+
+
+def _kept(files: Sequence[Path], out: Path, name: str) -> list[str]:
+    """Copies the recordings that exist into a folder; returns their places."""
+    kept = []
+    for file in files:
+        if file.is_file():
+            target = out / f"{name}.{file.stem}.trace.parquet"
+            with writing(target):
+                shutil.copyfile(file, target)
+                give_to_user(target)
+            kept.append(str(target))
+    return kept
+
+
+def _refused(problems: Sequence[Problem]) -> str:
+    return f"its scenario cannot be run here: {_in_words(problems)}"
+
+
+def _in_words(problems: Sequence[Problem]) -> str:
+    return "; ".join(f"{p.pointer}: {p.message}" if p.pointer else p.message for p in problems)

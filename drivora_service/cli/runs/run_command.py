@@ -1,0 +1,168 @@
+"""``drivora run``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.terminal.options import (
+    AgentParameterOption,
+    DataDirOption,
+    GateOracleOption,
+    ServerOption,
+    WorkersOption,
+    location,
+)
+from drivora_service.cli.terminal.out_option import check_folder
+from drivora_service.cli.terminal.output import JsonOption, fail, note, print_json
+from drivora_service.cli.terminal.run_progress import run_progress
+from drivora_service.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from drivora_service.cli.runs.run_gates import Gate
+    from drivora_service.cli.runs.run_output import ScenarioResult
+
+_MAX_SEED = 2**31 - 1
+
+
+def run(
+    scenarios: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="SCENARIO…",
+            help="Files or folders: OpenScenario (JSON, YAML), files of the original tool, "
+            "Leaderboard routes (XML).",
+        ),
+    ],
+    agent: Annotated[
+        str, typer.Option(help="Agent of every ego, overrides the documented one.")
+    ] = "",
+    agent_parameter: AgentParameterOption = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, max=_MAX_SEED, help="Seed, overrides the documents'.")
+    ] = None,
+    name: Annotated[
+        str,
+        typer.Option(
+            metavar="TEXT",
+            help="Name of the batch of runs, for the page and `drivora compare` [default: drivora "
+            "run].",
+        ),
+    ] = "",
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Write a trace and a report of each run there."),
+    ] = None,
+    workers: WorkersOption = None,
+    gate: Annotated[
+        bool,
+        typer.Option(
+            "--gate",
+            help="Exit with 1 if any oracle (observations left out) was violated in a way that an "
+            "ego is accountable for.",
+        ),
+    ] = False,
+    gate_oracle: GateOracleOption = None,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Runs scenarios and judges them; exits with 3 if any could not be run to its end.
+
+    With --json, one scenario prints one object: the run as the API shows it, with `scenario`,
+    `trace` and `notes`; several print {"batch_id": …, "runs": […]}.
+    """
+    chosen = _gate(gate_oracle or (), data_dir) if gate or gate_oracle else None
+    check_folder(out)
+    where = location(server, data_dir)
+    with connected(server, data_dir, works=True, makes_data=True, workers=workers) as client:
+        from drivora_service.cli.runs import run_output
+        from drivora_service.cli.runs.file_running import RUN_BATCH, run_files, write_report
+        from drivora_service.cli.scenarios.scenario_files import read_files
+        from drivora_service.runs.run_report import RunStatus
+
+        _check_parameters(agent_parameter or ())
+        files, unreadable = read_files(scenarios, agent=agent)
+        done = [
+            run_output.ScenarioResult(scenario=str(file.path), problems=file.problems)
+            for file in unreadable
+        ]
+        if out is not None:
+            for result in done:
+                write_report(out, result)
+        batches: list[str] = []
+        with _progress(len(files), shown=len(files) > 1) as step:
+            done += run_files(
+                client,
+                files,
+                agent=agent,
+                agent_parameters=agent_parameter or (),
+                seed=seed,
+                out=out,
+                where=where,
+                on_result=step,
+                batch_name=name or RUN_BATCH,
+                on_posted=batches.append,
+            )
+    batch_id = "".join(batches)
+    if as_json:
+        told = [result.content() for result in done]
+        print_json(told[0] if len(told) == 1 else {"batch_id": batch_id, "runs": told})
+    elif len(done) == 1:
+        run_output.print_result(done[0], where=where)
+    else:
+        run_output.print_results(done)
+        if batch_id:
+            note(f"batch {batch_id}")
+    if any(result.status is not RunStatus.FINISHED for result in done):
+        raise typer.Exit(ExitCode.NOT_DONE)
+    if chosen is not None:
+        from drivora_service.cli.runs.run_gates import violations_of_run
+
+        answer = chosen.judge(violations_of_run(result.violations) for result in done)
+        note(str(answer))
+        if answer.fails:
+            raise typer.Exit(ExitCode.GATE_FAILED)
+
+
+def _gate(wanted: Sequence[str], data_dir: Path | None) -> Gate:
+    from drivora_service.cli.application.installation import oracle_catalogue, settings_for
+    from drivora_service.cli.runs.run_gates import read_gate
+
+    known = oracle_catalogue(settings_for(data_dir)).names()
+    try:
+        return read_gate(wanted, known, counted_by="Drivora")
+    except ConfigurationError as error:
+        fail(str(error))
+        raise typer.Exit(ExitCode.USAGE_ERROR) from error
+
+
+def _check_parameters(texts: Sequence[str]) -> None:
+    """Refuses what is no ``NAME=VALUE`` before any file is read."""
+    from drivora_service.errors import InvalidDocument
+    from drivora_service.scenario.agent_parameters import read_agent_parameter
+
+    try:
+        for text in texts:
+            read_agent_parameter(text)
+    except InvalidDocument as error:
+        message = error.problems[0].message
+        raise typer.BadParameter(message, param_hint="--agent-parameter") from error
+
+
+@contextmanager
+def _progress(total: int, *, shown: bool) -> Iterator[Callable[[ScenarioResult], None]]:
+    """Shows progress on standard error while runs end."""
+    if not shown:
+        yield lambda _result: None
+        return
+    with run_progress(["runs"], total=total) as count:
+        yield lambda _result: count("runs")

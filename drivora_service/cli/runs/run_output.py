@@ -1,0 +1,236 @@
+"""Runs as commands print them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from drivora_service.api.schemas.runs import Run
+from drivora_service.cli.terminal.output import number, print_table
+from drivora_service.errors import Problem
+from drivora_service.oracles.verdict import Outcome, Severity, Verdict
+from drivora_service.oracles.verdicts.accountability import IN_WORDS, Accountability, accountability
+from drivora_service.runs.run_report import RunStatus
+from drivora_service.shapes import adapter
+from drivora_service.store.runs.run_records import RunSummary
+
+_FAULT = {
+    Accountability.AVOIDABLE: "yes",
+    Accountability.NOT_MEASURABLE: "yes",
+    Accountability.UNAVOIDABLE: "yes, not avoidable",
+    Accountability.UNDETERMINED: "undetermined",
+    Accountability.NOT_JUDGED: "-",
+    Accountability.NOT_AT_FAULT: "no",
+}
+_LOG_LINES = 10
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScenarioResult:
+    """The result of a scenario that was named on the command line.
+
+    Attributes:
+        scenario: Its name.
+        run: Its run; ``None`` if it cannot be run.
+        problems: Why it cannot be run.
+        trace: File of its trace; "" if none was written.
+        notes: Remarks of the importer and of validation.
+    """
+
+    scenario: str
+    run: Run | None = None
+    problems: tuple[Problem, ...] = ()
+    trace: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def status(self) -> RunStatus:
+        """Status of the run; of a scenario that cannot be run, ``invalid``."""
+        return RunStatus.INVALID if self.run is None else self.run.status
+
+    @property
+    def violations(self) -> tuple[Verdict, ...]:
+        """The violated verdicts of the run."""
+        return () if self.run is None else violations(self.run)
+
+    def content(self) -> dict[str, Any]:
+        """Returns the printed form: the run as the API shows it; a contract with scripts."""
+        if self.run is None:
+            told = _refused(self.problems)
+        else:
+            told = adapter(Run).dump_python(self.run, mode="json")
+        return {
+            "scenario": self.scenario,
+            **told,
+            "trace": self.trace,
+            "notes": list(self.notes),
+        }
+
+
+def violations(run: Run) -> tuple[Verdict, ...]:
+    """Returns the violated verdicts of a run, observations among them."""
+    return tuple(verdict for verdict in run.verdicts if verdict.outcome is Outcome.VIOLATED)
+
+
+def print_results(results: Sequence[ScenarioResult]) -> None:
+    """Prints a row a scenario, and below the table why runs were not judged."""
+    print_table(
+        "",
+        ("scenario", "status", "violations", "sim time", "real time", "step cost", "agents"),
+        (_row(result) for result in results),
+        wrap=("violations",),
+    )
+    for result in results:
+        _print_remarks(result)
+
+
+def print_result(result: ScenarioResult, *, where: str = "") -> None:
+    """Prints one run at length.
+
+    Args:
+        result: The run.
+        where: Options with which other commands find it.
+    """
+    print_results([result])
+    run = result.run
+    if run is None:
+        return
+    if run.verdicts:
+        rows = (
+            (
+                verdict.oracle,
+                verdict.ego,
+                verdict.outcome.replace("_", " "),
+                _fault(verdict),
+                number(verdict.time),
+                verdict.message,
+            )
+            for verdict in run.verdicts
+        )
+        columns = ("oracle", "ego", "outcome", "at fault", "time (s)", "message")
+        print_table("Verdicts", columns, rows, wrap=("message",))
+    if run.metrics:
+        metrics = ((name, number(value, 3)) for name, value in run.metrics.items())
+        print_table("Metrics", ("metric", "value"), metrics)
+    for ego, agent in run.agents.items():
+        parameters = (f"{name} {json.dumps(value)}" for name, value in agent.parameters.items())
+        print(f"Agent of {ego}: {', '.join((agent.name, *parameters))}")
+    if result.trace:
+        print(f"Trace: {result.trace}  (draw it: drivora plot {result.trace})")
+    elif run.trace_sha256:
+        print(f"Draw it: drivora plot {run.id} {where}".rstrip())
+
+
+def print_runs(runs: Sequence[RunSummary]) -> None:
+    """Prints a row a run of a list."""
+    print_table(
+        "",
+        ("id", "label", "status", "town", "agent", "violations", "at fault", "created"),
+        (
+            (
+                run.id,
+                run.label or "-",
+                run.status.replace("_", " "),
+                run.town,
+                run.agent,
+                "-" if run.violations is None else str(run.violations),
+                "-" if run.at_fault_violations is None else str(run.at_fault_violations),
+                f"{run.created_at.astimezone():%Y-%m-%d %H:%M:%S}",
+            )
+            for run in runs
+        ),
+        cut=("label", "agent"),
+    )
+
+
+def summary(run: Run | None) -> str:
+    """Returns the violated oracles of a run in a few words."""
+    if run is None or run.status is not RunStatus.FINISHED:
+        return "-"
+    violated = violations(run)
+    named = [_named(verdict) for verdict in violated if verdict.severity != Severity.OBSERVATION]
+    seen = {verdict.oracle for verdict in violated if verdict.severity == Severity.OBSERVATION}
+    text = ", ".join(named) or "none"
+    if seen:
+        text += f"; observed: {', '.join(sorted(seen)).replace('_', ' ')}"
+    return text
+
+
+def _named(verdict: Verdict) -> str:
+    words = IN_WORDS[accountability(verdict)]
+    name = verdict.oracle.replace("_", " ")
+    return f"{name} ({words})" if words else name
+
+
+def _fault(verdict: Verdict) -> str:
+    if verdict.outcome is not Outcome.VIOLATED:
+        return "-"
+    return _FAULT[accountability(verdict)]
+
+
+def _row(result: ScenarioResult) -> tuple[str, ...]:
+    run = result.run
+    if run is None or run.status is not RunStatus.FINISHED:
+        return (result.scenario, result.status.replace("_", " "), *["-"] * 5)
+    sim, wall = run.sim_time_s or 0.0, run.wall_time_s or 0.0
+    costs = run.agent_cost_us.values()
+    return (
+        result.scenario,
+        result.status.replace("_", " "),
+        summary(run),
+        f"{sim:.1f} s",
+        f"{sim / wall:.0f}" if wall else "-",
+        f"{run.step_cost_us or 0.0:.0f} µs",
+        f"{sum(costs):.0f} µs" if costs else "-",
+    )
+
+
+def _print_remarks(result: ScenarioResult) -> None:
+    run = result.run
+    if run is None:
+        print(f"{result.scenario}: {_invalid(result.problems)}")
+        for problem in result.problems:
+            print(f"  {problem.pointer or '/'}: {problem.message}")
+        return
+    for ego in run.privileged:
+        print(
+            f"{result.scenario}: {ego} sees everything, not only what the perception model "
+            "lets through"
+        )
+    if run.error is None:
+        return
+    print(f"{result.scenario}: {run.error.cause}: {run.error.message}")
+    if run.error.log:
+        print("\n".join(f"  | {line}" for line in run.error.log.splitlines()[-_LOG_LINES:]))
+
+
+def _refused(problems: Sequence[Problem]) -> dict[str, Any]:
+    listed = [{"pointer": p.pointer, "code": p.code, "message": p.message} for p in problems]
+    return {
+        "id": "",
+        "status": str(RunStatus.INVALID),
+        "error": {
+            "cause": "invalid_document",
+            "message": f"{len(listed)} problem(s) in the scenario",
+            "log": "",
+            "problems": listed,
+        },
+        "verdicts": [],
+        "metrics": {},
+        "scores": {},
+        "trace_sha256": "",
+        "steps": None,
+        "sim_time_s": None,
+        "wall_time_s": None,
+        "step_cost_us": None,
+        "agent_cost_us": {},
+        "agents": {},
+        "privileged": [],
+        "versions": {},
+    }
+
+
+def _invalid(problems: Sequence[Problem]) -> str:
+    return f"invalid_document: {len(problems)} problem(s) in the scenario"

@@ -1,0 +1,1 @@
+"""``drivora validate``, ``seeds``, ``schema`` and ``examples``, and scenario files."""

@@ -1,0 +1,95 @@
+"""``drivora validate``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.terminal.options import DataDirOption, ServerOption
+from drivora_service.cli.terminal.output import JsonOption, fail, print_json
+from drivora_service.errors import InvalidDocument, Problem
+
+if TYPE_CHECKING:
+    from drivora_service.cli.scenarios.scenario_files import UnreadableFile
+    from drivora_service.client import Client
+
+
+def validate(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE…", help="Files and folders.")],
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Checks scenarios and names every problem with its place; exits with 1 if there is any."""
+    with connected(server, data_dir) as client:
+        from drivora_service.cli.scenarios.scenario_files import find_files, read_files
+        from drivora_service.scenario.documents import document_text
+
+        scenarios, unreadable = read_files(files, agent="")
+        results = [
+            _result(str(file.path), "", (), _all_problems(file, client)) for file in unreadable
+        ]
+        for scenario in scenarios:
+            path, name = str(scenario.path), scenario.name
+            try:
+                checked = client.validate_scenario(document_text(scenario.document))
+                results.append(_result(path, name, (*scenario.notes, *checked.notes), ()))
+            except InvalidDocument as error:
+                results.append(_result(path, name, scenario.notes, error.problems))
+    order = {str(path): place for place, path in enumerate(find_files(files))}
+    results.sort(key=lambda result: order[result["file"]])
+    valid = all(result["valid"] for result in results)
+    if as_json:
+        print_json({"valid": valid, "results": results})
+    else:
+        _print(results)
+    raise typer.Exit(ExitCode.DONE if valid else ExitCode.GATE_FAILED)
+
+
+def _all_problems(file: UnreadableFile, client: Client) -> tuple[Problem, ...]:
+    """Returns what is wrong with a file, its well-formed parts checked against the road network."""
+    from drivora_service.scenario.importers.reading import FileFormat, detect_format
+
+    data = file.path.read_bytes()
+    try:
+        match detect_format(data):
+            case FileFormat.JSON:
+                client.validate_scenario(data)
+            case FileFormat.YAML:
+                client.validate_scenario(data, language="yaml")
+    except InvalidDocument as error:
+        return error.problems
+    return file.problems
+
+
+def _result(
+    path: str, name: str, notes: Sequence[str], problems: Sequence[Problem]
+) -> dict[str, Any]:
+    return {
+        "file": path,
+        "scenario": name,
+        "valid": not problems,
+        "problems": [asdict(problem) for problem in problems],
+        "notes": list(notes),
+    }
+
+
+def _print(results: Sequence[dict[str, Any]]) -> None:
+    for result in results:
+        where = result["file"]
+        if result["scenario"] and result["scenario"] != Path(where).stem:
+            where += f" ({result['scenario']})"
+        if result["valid"]:
+            typer.echo(f"{where}: valid")
+        else:
+            fail(f"{where}: {len(result['problems'])} problem(s)")
+        for problem in result["problems"]:
+            typer.echo(f"  {problem['pointer'] or '/'}: {problem['message']}")
+        for remark in result["notes"]:
+            typer.echo(f"  note: {remark}")

@@ -1,0 +1,1 @@
+"""``drivora serve``, ``store``, ``tokens``, ``demo`` and ``export``."""

@@ -1,0 +1,301 @@
+"""``drivora study``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.terminal.error_printing import ErrorPrinter
+from drivora_service.cli.terminal.options import (
+    DataDirOption,
+    EqualTimeOption,
+    ExecutorOption,
+    RayAddressOption,
+    ServerOption,
+    WorkersOption,
+    location,
+)
+from drivora_service.cli.terminal.out_option import check_folder, writing
+from drivora_service.cli.terminal.output import JsonOption, fail, note, print_json, print_shape
+from drivora_service.errors import ConfigurationError, InvalidDocument, ServiceError
+
+if TYPE_CHECKING:
+    from drivora_service.api.schemas.studies import Study
+    from drivora_service.client import Client
+
+app = typer.Typer(
+    help="Runs campaigns by scenarios, agents, methods and repetitions.", no_args_is_help=True
+)
+
+IdArgument = Annotated[str, typer.Argument(metavar="ID", help="Id of a study.")]
+DetachOption = Annotated[
+    bool, typer.Option("--detach", help="With --server: do not wait until it has ended.")
+]
+
+
+@app.command()
+def run(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A study, as YAML or JSON.")],
+    workers: WorkersOption = None,
+    executor: ExecutorOption = None,
+    ray_address: RayAddressOption = None,
+    detach: DetachOption = False,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Runs a study; an interrupt (Ctrl-C) pauses it, and then exits with 3.
+
+    With --server the service runs it; an interrupt then only ends the watching.
+    """
+    _refuse_detaching(detach, server)
+    with connected(
+        server,
+        data_dir,
+        works=True,
+        makes_data=True,
+        workers=workers,
+        executor=executor,
+        ray_address=ray_address,
+        on_error=ErrorPrinter(),
+    ) as client:
+        study = _posted(client, file)
+        for remark in study.notes:
+            note(f"note: {remark}")
+        note(f"study {study.id}")
+        _finish(client, study, server, data_dir, detach=detach, as_json=as_json)
+
+
+@app.command()
+def resume(
+    study_id: IdArgument,
+    workers: WorkersOption = None,
+    executor: ExecutorOption = None,
+    ray_address: RayAddressOption = None,
+    detach: DetachOption = False,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Resumes a study that was paused, failed or killed, as if it had not been interrupted."""
+    _refuse_detaching(detach, server)
+    with connected(
+        server,
+        data_dir,
+        works=True,
+        workers=workers,
+        executor=executor,
+        ray_address=ray_address,
+        on_error=ErrorPrinter(),
+    ) as client:
+        study = client.resume_study(study_id)
+        _finish(client, study, server, data_dir, detach=detach, as_json=as_json)
+
+
+@app.command("list")
+def list_studies(
+    limit: Annotated[int, typer.Option(min=1, max=1000, help="How many.")] = 50,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Lists studies, newest first."""
+    with connected(server, data_dir) as client:
+        studies = tuple(client.studies(limit=limit))
+    from drivora_service.api.schemas.studies import StudyInList
+    from drivora_service.cli.studies.study_output import print_studies
+
+    if as_json:
+        print_shape(tuple[StudyInList, ...], studies)
+    else:
+        print_studies(studies)
+
+
+@app.command()
+def show(
+    study_id: IdArgument,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Shows a study, and what its campaigns have found by scenario, agent and method."""
+    with connected(server, data_dir) as client:
+        _show(client, client.study(study_id), as_json=as_json)
+
+
+@app.command()
+def pause(
+    study_id: IdArgument,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Pauses the campaigns of a study, whichever process runs them."""
+    with connected(server, data_dir) as client:
+        _say_state(client.pause_study(study_id), as_json=as_json)
+
+
+@app.command()
+def cancel(
+    study_id: IdArgument,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Cancels the campaigns of a study that are not over permanently; what was found stays."""
+    with connected(server, data_dir) as client:
+        _say_state(client.cancel_study(study_id), as_json=as_json)
+
+
+@app.command()
+def compare(
+    study_id: IdArgument,
+    baseline_method: Annotated[
+        str, typer.Option(metavar="METHOD", help="Baseline method [default: random, or the first].")
+    ] = "",
+    baseline_agent: Annotated[
+        str, typer.Option(metavar="AGENT", help="Baseline agent [default: the first].")
+    ] = "",
+    measures: Annotated[
+        list[str] | None,
+        typer.Option("--measure", metavar="NAME", help="Measure; may be repeated."),
+    ] = None,
+    equal_time: EqualTimeOption = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Write tables (Markdown, CSV) and a chart there."),
+    ] = None,
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Compares the finished campaigns of a study, by method and by agent."""
+    check_folder(out)
+    with connected(server, data_dir) as client:
+        comparison = client.compare_study(
+            study_id,
+            baseline_method=baseline_method,
+            baseline_agent=baseline_agent,
+            measures=tuple(dict.fromkeys(measures or ())),
+            equal_time=equal_time,
+        )
+    if as_json:
+        print_shape(type(comparison), comparison)
+    else:
+        from drivora_service.cli.studies.study_comparison_output import print_study_comparison
+
+        print_study_comparison(comparison)
+    if out is not None:
+        from drivora_service.studies.comparison.study_comparison_files import write_study_comparison
+
+        with writing(out):
+            written = write_study_comparison(comparison, out)
+        for path in written:
+            note(str(path))
+
+
+@app.command()
+def export(
+    study_id: IdArgument,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Write the tables there.")],
+    server: ServerOption = "",
+    data_dir: DataDirOption = None,
+) -> None:
+    """Writes campaigns, evaluations and failures of a study as Parquet and CSV."""
+    check_folder(out)
+    from drivora_service.cli.service.table_files import save_tables
+    from drivora_service.studies.table_names import TableForm, TableName
+
+    with connected(server, data_dir) as client:
+
+        def save(path: Path, table: TableName, form: TableForm) -> None:
+            client.save_study_table(path, study_id, table, form=form)
+
+        save_tables(out, TableName, save)
+
+
+def _posted(client: Client, file: Path) -> Study:
+    """Posts a study file; prints what is wrong with it, each problem with its place."""
+    import json
+
+    from drivora_service.cli.studies.study_files import read_study_file
+
+    try:
+        study = read_study_file(file)
+        try:
+            return client.post_study(json.dumps(study.content))
+        except InvalidDocument as error:
+            raise study.in_file(error) from error
+    except InvalidDocument as error:
+        fail(f"{file}: {len(error.problems)} problem(s)")
+        for problem in error.problems:
+            typer.echo(f"  {problem.pointer or '/'}: {problem.message}", err=True)
+        raise typer.Exit(ExitCode.USAGE_ERROR) from error
+
+
+def _refuse_detaching(detach: bool, server: str) -> None:
+    if detach and not server:
+        raise ConfigurationError(
+            "--detach is for studies of a service (--server): a study of this process ends with it"
+        )
+
+
+def _finish(
+    client: Client,
+    study: Study,
+    server: str,
+    data_dir: Path | None,
+    *,
+    detach: bool,
+    as_json: bool,
+) -> None:
+    """Follows a study to its end, and shows it."""
+    from drivora_service.cli.studies.study_display import study_display
+    from drivora_service.store.campaigns.study_records import StudyState
+
+    if detach:
+        if as_json:
+            _show(client, study, as_json=True)
+        return
+    where = f"{study.id} {location(server, data_dir)}".rstrip()
+    try:
+        with study_display(study) as display:
+            study = client.follow_study(study.id, on_progress=display.show)
+    except KeyboardInterrupt as error:
+        if server:
+            note(f"the service continues it; stop it with: drivora study pause {where}")
+            raise typer.Exit(ExitCode.NOT_DONE) from error
+        client.pause_study(study.id)
+        study = client.follow_study(study.id)
+    except ServiceError:
+        # It has been stored, whatever has become of it.
+        note(f"study {study.id}: drivora study show {where}")
+        raise
+    _show(client, study, as_json=as_json)
+    if study.state is StudyState.FINISHED:
+        return
+    if study.state is not StudyState.CANCELLED:
+        note(f"{study.state}; resume it with: drivora study resume {where}")
+    raise typer.Exit(ExitCode.NOT_DONE)
+
+
+def _say_state(study: Study, *, as_json: bool) -> None:
+    if as_json:
+        print_shape(type(study), study)
+        return
+    requested = f", {study.request} requested" if study.state.is_active else ""
+    typer.echo(f"study {study.id} is {study.state}{requested}")
+
+
+def _show(client: Client, study: Study, *, as_json: bool) -> None:
+    from drivora_service.cli.studies.study_output import print_study, study_content
+
+    campaigns = tuple(client.campaigns(study_id=study.id))
+    if as_json:
+        print_json(study_content(study, campaigns))
+    else:
+        print_study(study, campaigns)

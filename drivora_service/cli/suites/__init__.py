@@ -1,0 +1,1 @@
+"""``drivora suite``."""

@@ -1,0 +1,146 @@
+"""The decision on a suite: confirmed by further runs, reported, and told by the exit code."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import typer
+
+from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.suites.suite_reports import (
+    ReportFiles,
+    baseline_of,
+    draw_failures,
+    print_report,
+    report_content,
+    report_of,
+    write_reports,
+)
+from drivora_service.cli.suites.suite_running import SuiteOrder, run_again
+from drivora_service.cli.terminal.output import note, print_json
+from drivora_service.cli.terminal.run_progress import run_progress
+from drivora_service.client import Client
+from drivora_service.errors import DrivoraError
+from drivora_service.suites.gate.baseline import Baseline
+from drivora_service.suites.gate.gate_documents import GateDocument
+from drivora_service.suites.gate.gating import decide, to_confirm
+from drivora_service.suites.reports.suite_recording import decision_of, outcomes_of
+from drivora_service.suites.reports.suite_report import SuiteReport
+from drivora_service.suites.suite import Suite
+from drivora_service.suites.suite_checks import check_baseline
+from drivora_service.suites.suite_results import SuiteResults
+
+
+def confirmed(
+    client: Client,
+    suite: Suite,
+    results: SuiteResults,
+    order: SuiteOrder,
+    gate: GateDocument,
+    baseline: Baseline | None,
+) -> SuiteResults:
+    """Runs scenarios that changed against the baseline again, under other seeds.
+
+    Args:
+        client: Client of the application or service that runs them.
+        suite: The suite.
+        results: The runs so far.
+        order: How they were run.
+        gate: Says how often scenarios are run again.
+        baseline: The accepted failures; without it nothing is run again.
+
+    Returns:
+        The results with the further runs.
+
+    Raises:
+        ServiceError: The service refused, did not answer, or cannot begin runs.
+    """
+    if baseline is None or not gate.confirm:
+        return results
+    while names := to_confirm(
+        decide(results, suite.by_name, gate, baseline), results, times=gate.confirm
+    ):
+        note(
+            f"scenarios whose change is to be confirmed: {len(names)}; {gate.confirm} further runs "
+            "of each"
+        )
+        with run_progress(["confirmation"], total=len(names) * gate.confirm) as count:
+            on_run = partial(count, "confirmation")
+            results = run_again(
+                client, suite, results, names, order, times=gate.confirm, on_run=on_run
+            )
+    return results
+
+
+def decided(
+    client: Client | None,
+    results: SuiteResults,
+    suite: Suite,
+    gate: GateDocument,
+    baseline: Path | None,
+    files: ReportFiles,
+) -> SuiteReport:
+    """Decides on results and writes the reports.
+
+    Args:
+        client: Client that has the recordings; ``None``: reports have no pictures.
+        results: The runs.
+        suite: Their suite.
+        gate: What is asked of them.
+        baseline: File of the accepted failures, if there is one.
+        files: What is written.
+
+    Raises:
+        ConfigurationError: The baseline cannot be read, or a file cannot be written.
+    """
+    accepted = baseline_of(baseline)
+    if accepted is not None:
+        for remark in check_baseline(accepted, results):
+            note(f"note: {remark}")
+    decision = decide(results, suite.by_name, gate, accepted)
+    pictures = {}
+    if client is not None and files.page is not None:
+        pictures = draw_failures(client, decision, most=files.pictures)
+    report = report_of(results, suite.by_name, decision, baseline=baseline, pictures=pictures)
+    write_reports(report, files)
+    return report
+
+
+def keep(client: Client, report: SuiteReport) -> None:
+    """Has the application or service keep what was decided, for the history of the suite.
+
+    A service that cannot, such as one of an older version, loses nothing of the decision.
+    """
+    try:
+        client.post_suite_run(decision_of(report), outcomes_of(report))
+    except DrivoraError as error:
+        note(f"note: the decision is not in the history of the suite: {error}")
+
+
+def tell(report: SuiteReport, *, as_json: bool, judges: bool) -> None:
+    """Prints a report and ends the command with the exit code of its decision.
+
+    Args:
+        report: The report.
+        as_json: Whether JSON is printed instead of tables.
+        judges: Whether the gate decides; a shard by itself is not judged.
+    """
+    if as_json:
+        print_json(report_content(report))
+    else:
+        print_report(report)
+    if report.decision.unfinished and judges:
+        unjudged = len(report.decision.unfinished)
+        note(f"{unjudged} runs were not judged")
+    if not judges:
+        note("this is a shard: `drivora suite gate` decides on the results of all of them")
+        raise typer.Exit(ExitCode.DONE)
+    if report.decision.fails:
+        only_unfinished = not any(one.fails for one in report.decision.failures) and not any(
+            one.fails for one in report.decision.limits
+        )
+        overall = report.decision.overall
+        if report.decision.unfinished and only_unfinished and not (overall and overall.fails):
+            raise typer.Exit(ExitCode.NOT_DONE)
+        raise typer.Exit(ExitCode.GATE_FAILED)

@@ -1,0 +1,128 @@
+"""Suite files and gate files that are named on the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from drivora_service.cli.scenarios.listed_scenarios import ListFile, expand_list, read_list_file
+from drivora_service.cli.scenarios.scenario_files import SUFFIXES
+from drivora_service.errors import ConfigurationError, InvalidDocument
+from drivora_service.scenario.plain_data import plain_data
+from drivora_service.scenario.scenario_schema import schema_directory
+from drivora_service.store.campaigns.study_records import LONGEST_LABEL
+from drivora_service.suites.gate.gate_documents import GateDocument
+from drivora_service.suites.gate.gate_reading import read_gate_document
+from drivora_service.suites.suite import Suite
+from drivora_service.suites.suite_reading import read_suite
+
+_NAMES = ("suite.yaml", "suite.yml", "suite.json")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KnownNames:
+    """The names that a suite or a gate may use: of oracles and of metrics."""
+
+    oracles: Collection[str]
+    metrics: Collection[str]
+
+
+def names_of_installation(data_dir: Path | None = None) -> KnownNames:
+    """Returns the names that this installation knows, with the laws beside a data folder."""
+    from drivora_service.cli.application.installation import oracle_catalogue, settings_for
+    from drivora_service.metrics.metric_descriptions import METRICS
+
+    oracles = oracle_catalogue(settings_for(data_dir))
+    return KnownNames(oracles=oracles.names(), metrics=[one.name for one in METRICS])
+
+
+def shipped_suites() -> Path:
+    """Returns the folder of the shipped suites, a folder each."""
+    return schema_directory() / "suites"
+
+
+def read_suite_path(path: Path, known: KnownNames) -> Suite:
+    """Reads a suite.
+
+    Args:
+        path: A suite file; a folder with one (``suite.yaml``); a folder of scenario files, or one
+            such file, which is then a suite without expectations of its own; or the name of a
+            shipped suite, if there is nothing of that name in the current folder.
+        known: Names that it may use.
+
+    Raises:
+        ConfigurationError: There is no such file.
+        InvalidDocument: It has problems; each is named with its place in its file.
+    """
+    file = _list_file(path)
+    try:
+        return read_suite(file.content, oracles=known.oracles, metrics=known.metrics)
+    except InvalidDocument as error:
+        raise file.in_file(error) from error
+
+
+def read_gate_path(path: Path | None, known: KnownNames) -> GateDocument:
+    """Reads a gate file; ``None``: the default gate.
+
+    Raises:
+        ConfigurationError: It cannot be read.
+        InvalidDocument: It has problems; each is named with its place.
+    """
+    if path is None:
+        return GateDocument()
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise ConfigurationError(f"{path} cannot be read: {error.strerror}") from error
+    language: Literal["json", "yaml"] = "json" if path.suffix.lower() == ".json" else "yaml"
+    try:
+        return read_gate_document(
+            data, oracles=known.oracles, metrics=known.metrics, format=language
+        )
+    except InvalidDocument as error:
+        problems = tuple(replace(p, message=f"{path}: {p.message}") for p in error.problems)
+        raise InvalidDocument(problems) from error
+
+
+def _list_file(path: Path) -> ListFile:
+    if path.is_dir():
+        for name in _NAMES:
+            if (path / name).is_file():
+                return _suite_file(path / name)
+        return _bare(path.resolve().name, ".", path)
+    if not path.is_file():
+        shipped = sorted(one.parent.name for one in shipped_suites().glob("*/suite.yaml"))
+        if str(path) in shipped:
+            return _list_file(shipped_suites() / path)
+        raise ConfigurationError(
+            f"there is no suite {path}; name a file, a folder, or a shipped suite: "
+            f"{', '.join(shipped)}"
+        )
+    if path.suffix.lower() not in SUFFIXES:
+        raise ConfigurationError(
+            f"{path} is no suite: a file ends with one of {', '.join(sorted(SUFFIXES))}"
+        )
+    if path.suffix.lower() == ".xml" or not _lists_scenarios(path):
+        return _bare(path.stem, path.name, path.parent)
+    return _suite_file(path)
+
+
+def _suite_file(path: Path) -> ListFile:
+    return read_list_file(path, what="a suite", name_key="name", longest_name=LONGEST_LABEL)
+
+
+def _bare(name: str, files: str, folder: Path) -> ListFile:
+    content: dict[str, Any] = {"name": name[:LONGEST_LABEL], "scenarios": [files]}
+    return expand_list(content, folder=folder, name_key="name", longest_name=LONGEST_LABEL)
+
+
+def _lists_scenarios(path: Path) -> bool:
+    """Returns whether a file is a suite and no scenario."""
+    language: Literal["json", "yaml"] = "json" if path.suffix.lower() == ".json" else "yaml"
+    try:
+        content, _ = plain_data(path.read_bytes(), language)
+    except OSError as error:
+        raise ConfigurationError(f"{path} cannot be read: {error.strerror}") from error
+    return "scenarios" in content

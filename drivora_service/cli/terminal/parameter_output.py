@@ -1,0 +1,32 @@
+"""Parameters of plug-ins as commands print them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from drivora_service.cli.terminal.output import print_table
+
+if TYPE_CHECKING:
+    from drivora_service.api.schemas.catalogues import AgentParameter, TesterParameter
+
+
+def print_parameters(parameters: Iterable[AgentParameter | TesterParameter]) -> None:
+    """Prints a row a parameter."""
+    from drivora_service.parameters import allowed_values
+
+    print_table(
+        "",
+        ("parameter", "default", "allowed", "description"),
+        (
+            (
+                parameter.name,
+                json.dumps(parameter.default),
+                allowed_values(parameter.values),
+                parameter.description,
+            )
+            for parameter in parameters
+        ),
+        wrap=("allowed", "description"),
+    )

@@ -1,0 +1,100 @@
+"""Running specs to their final reports without a database."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import islice
+
+from drivora_service.errors import WorkersCannotStart
+from drivora_service.execution.executor import Executor
+from drivora_service.runs import lifecycle
+from drivora_service.runs.attempt import AttemptEnd
+from drivora_service.runs.lifecycle import RetryPolicy, RunState
+from drivora_service.runs.run_report import RunReport, RunSpec
+
+
+class Runs:
+    """Runs in flight on an executor, each until its final report.
+
+    Crashes are confirmed and lost attempts repeated, as in the service.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        policy: RetryPolicy = RetryPolicy(),  # noqa: B008 # frozen
+    ) -> None:
+        """Begins with none.
+
+        Args:
+            executor: Must have no other user meanwhile.
+            policy: How often a run may fail for reasons that are not its own.
+        """
+        self._executor, self._policy = executor, policy
+        self._running: dict[str, tuple[RunSpec, RunState]] = {}
+
+    def __len__(self) -> int:
+        """Returns the number of runs in flight."""
+        return len(self._running)
+
+    def submit(self, spec: RunSpec) -> None:
+        """Queues a run; its id must be unique."""
+        self._attempt(spec, RunState())
+
+    def wait(self, timeout: float | None = None, *, count: int = 1) -> tuple[AttemptEnd, ...]:
+        """Waits for the ends of attempts; returns the last attempts of runs that ended with them.
+
+        Their reports are those of the runs.
+
+        Args:
+            timeout: Seconds after which it returns in any case.
+            count: Number of ends to wait for.
+
+        Raises:
+            WorkersCannotStart: No worker can be started; the runs in flight have not failed.
+        """
+        over: list[AttemptEnd] = []
+        # Attempts that ended before the fault are returned first.
+        ends = self._executor.wait(0.0 if self._executor.fault else timeout, count=count)
+        if not ends and self._running and self._executor.fault:
+            raise WorkersCannotStart(f"no worker can be started: {self._executor.fault}")
+        for end in ends:
+            spec, state = self._running.pop(end.report.run_id)
+            transition = lifecycle.end(state, end.report, self._policy)
+            if transition.report is not None:
+                over.append(replace(end, report=transition.report))
+            else:
+                self._attempt(spec, transition.state)
+        return tuple(over)
+
+    def _attempt(self, spec: RunSpec, state: RunState) -> None:
+        self._running[spec.run_id] = (spec, lifecycle.start(state))
+        self._executor.submit(spec)
+
+
+def run_all(
+    executor: Executor,
+    specs: Iterable[RunSpec],
+    policy: RetryPolicy = RetryPolicy(),  # noqa: B008 # frozen
+) -> Iterator[RunReport]:
+    """Runs every spec; yields the reports in the order in which the runs end.
+
+    ``specs`` is read as slots become free, so it may be long.
+
+    Args:
+        executor: Must have no other user meanwhile.
+        specs: Runs with unique ids.
+        policy: How often a run may fail for reasons that are not its own.
+
+    Raises:
+        WorkersCannotStart: No worker can be started.
+    """
+    coming = iter(specs)
+    runs = Runs(executor, policy)
+    while True:
+        for spec in islice(coming, 2 * executor.capacity - len(runs)):
+            runs.submit(spec)
+        if not len(runs):
+            return
+        yield from (end.report for end in runs.wait())

@@ -1,0 +1,1 @@
+"""Importing road networks from files, some of which are not trusted."""

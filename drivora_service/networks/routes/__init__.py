@@ -1,0 +1,1 @@
+"""Routes along lanes: planning, matching, searching, following."""

@@ -1,0 +1,1 @@
+"""A trace as bytes: its file, header, stream, hash and storage."""

@@ -1,0 +1,205 @@
+"""Braking along the ego's recorded path, against the replayed motion of the others."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drivora_service.compilation import compiled
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
+from drivora_service.geometry.boxes import overlap_depth
+from drivora_service.observations.ground import vehicle_friction
+from drivora_service.oracles.avoidability.careful_driver import CarefulDriver
+from drivora_service.oracles.avoidability.replayed_contact import Replay
+
+_LEAST_SHARE = 0.2
+"""Share of the grip that is left in bends for braking (as in the ego's dynamics)."""
+
+WAIT = 2.0
+"""Seconds after the ego's standstill in which collisions with others count."""
+
+
+def latest_braking(
+    replay: Replay, *, delay: float, full: float, grip: float, jerk: float, earliest: int
+) -> int:
+    """Returns the last row from which braking avoids a collision, -1 if none from ``earliest`` on.
+
+    Args:
+        replay: The collision.
+        delay: Seconds until deceleration begins; until then the ego drives as recorded.
+        full: The full deceleration, m/s².
+        grip: Highest friction of the road times gravity, m/s²; slippery places and worse weather
+            leave less, and what bends need of it is not available for braking.
+        jerk: m/s³ with which the deceleration grows.
+        earliest: First row to consider.
+    """
+    for row in range(replay.contact - 1, max(earliest, 0) - 1, -1):
+        if brakes_clear(replay, row, delay=delay, full=full, grip=grip, jerk=jerk):
+            return row
+    return -1
+
+
+def brakes_clear(
+    replay: Replay, row: int, *, delay: float, full: float, grip: float, jerk: float
+) -> bool:
+    """Returns whether braking from ``row`` on avoids all actors; see ``latest_braking``."""
+    clear: bool = _brakes_clear(
+        row,
+        replay.step,
+        (delay, full, grip, jerk, replay.wheelbase),
+        replay.contact,
+        replay.length,
+        replay.width,
+        replay.path,
+        replay.speed,
+        replay.others,
+        replay.present,
+        replay.sizes,
+        replay.walks,
+        replay.road,
+        replay.patches,
+    )
+    return clear
+
+
+def careful_braking(replay: Replay, driver: CarefulDriver, grip: float, brakes: float) -> int:
+    """Returns the last row from which the careful driver avoids all actors, -1 if none."""
+    return latest_braking(
+        replay,
+        delay=driver.delay,
+        full=driver.full_braking(grip, brakes),
+        grip=grip,
+        jerk=driver.jerk,
+        earliest=0,
+    )
+
+
+def instant_braking(replay: Replay, grip: float, brakes: float, earliest: int) -> int:
+    """Returns the last row from which full braking without delay avoids all actors, -1 if none."""
+    return latest_braking(
+        replay,
+        delay=0.0,
+        full=min(grip, brakes),
+        grip=grip,
+        jerk=math.inf,
+        earliest=earliest,
+    )
+
+
+@compiled
+def meets(
+    x: float,
+    y: float,
+    yaw: float,
+    length: float,
+    width: float,
+    spared: bool,
+    poses: FloatArray,
+    there: BoolArray,
+    sizes: FloatArray,
+    walks: BoolArray,
+    followed: BoolArray,
+) -> bool:
+    """Returns whether the ego's box overlaps the box of an actor that counts.
+
+    The actor that was hit (the first) always counts. Of the others, those that approach from behind
+    do not: they were recorded behind an ego that drove on, and do not brake for this one. They are
+    marked in ``followed``, and ignored from then on. Walkers do not count where the ego stands and
+    their motion is no longer recorded: they do not walk into it.
+    """
+    radius = 0.5 * math.hypot(length, width)
+    for m in range(poses.shape[0]):
+        if not there[m] or followed[m] or (spared and walks[m]):
+            continue
+        dx, dy = poses[m, 0] - x, poses[m, 1] - y
+        if math.hypot(dx, dy) > radius + 0.5 * math.hypot(sizes[m, 0], sizes[m, 1]):
+            continue
+        depth = overlap_depth(dx, dy, yaw, length, width, poses[m, 2], sizes[m, 0], sizes[m, 1])
+        if depth <= 0.0:
+            continue
+        if m > 0:
+            behind = dx * math.cos(yaw) + dy * math.sin(yaw) < -0.5 * length
+            if behind and math.cos(poses[m, 2] - yaw) > 0.0:
+                followed[m] = True
+                continue
+        return True
+    return False
+
+
+@compiled
+def place_on(path: FloatArray, arc: float, near: int) -> int:
+    """Returns the index of the path's segment that contains ``arc``, searched from ``near`` on."""
+    i = int(min(max(near, 0), path.shape[0] - 2))
+    while i > 0 and path[i, 0] > arc:
+        i -= 1
+    while i < path.shape[0] - 2 and path[i + 1, 0] <= arc:
+        i += 1
+    return i
+
+
+@compiled
+def pose_on(path: FloatArray, arc: float, i: int) -> tuple[float, float, float]:
+    """Returns x, y and heading at ``arc``, which lies on the path's segment ``i``."""
+    span = path[i + 1, 0] - path[i, 0]
+    share = (arc - path[i, 0]) / span if span > 1e-9 else 1.0
+    share = min(max(share, 0.0), 1.0)
+    return (
+        path[i, 1] + share * (path[i + 1, 1] - path[i, 1]),
+        path[i, 2] + share * (path[i + 1, 2] - path[i, 2]),
+        path[i, 3] + share * (path[i + 1, 3] - path[i, 3]),
+    )
+
+
+@compiled
+def _brakes_clear(
+    row: int,
+    step: float,
+    limits: tuple[float, float, float, float, float],
+    contact: int,
+    length: float,
+    width: float,
+    path: FloatArray,
+    recorded: FloatArray,
+    others: FloatArray,
+    present: BoolArray,
+    sizes: FloatArray,
+    walks: BoolArray,
+    road: FloatArray,
+    patches: FloatArray,
+) -> bool:
+    delay, full, road_grip, jerk, wheelbase = limits
+    arc, speed = path[row, 0], recorded[row]
+    x, y, yaw = path[row, 1], path[row, 2], path[row, 3]
+    i = row
+    stood = 0.0
+    followed = np.zeros(sizes.shape[0], dtype=np.bool_)
+    for t in range(row, others.shape[0] - 1):
+        # Time since the start at the end of this step. Braking may begin within the step.
+        since = (t + 1 - row) * step - delay
+        if since <= 1e-9 and t < contact:
+            arc, speed = path[t + 1, 0], recorded[t + 1]
+        else:
+            wanted = full if jerk == math.inf else min(max(jerk * (since - 0.5 * step), 0.0), full)
+            grip = road_grip * vehicle_friction(x, y, 0.0, yaw, wheelbase, road[t], patches)
+            side = speed * speed * path[i, 4]
+            left = math.sqrt(max(grip * grip - side * side, (_LEAST_SHARE * grip) ** 2))
+            braking = min(wanted, left)
+            if t < contact:
+                braking = max(braking, (recorded[t] - recorded[t + 1]) / step)
+            slower = max(speed - braking * step, 0.0)
+            arc += 0.5 * (speed + slower) * step
+            speed = slower
+        i = place_on(path, arc, i)
+        x, y, yaw = pose_on(path, arc, i)
+        standing = speed <= 0.0
+        if meets(
+            x, y, yaw, length, width, standing and t >= contact,
+            others[t + 1], present[t + 1], sizes, walks, followed,
+        ):  # fmt: skip
+            return False
+        if standing:
+            stood += step
+            if t >= contact and stood >= WAIT:
+                return True
+    return True

@@ -1,0 +1,206 @@
+"""The data for replaying a collision: the ego's recorded path and the others' recorded motion.
+
+The record usually ends with the collision, which changes the motion of the actor that was hit. From
+there on others keep their speed, or keep their deceleration until they stand; actors that went the
+ego's way continue along the ego's heading.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivora_service.geometry.angles import wrap_angle
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.lines import arc_lengths
+from drivora_service.observations.ground import PatchCol, wheelbase_of
+from drivora_service.observations.recorded_conditions import road_frictions, trace_patches
+from drivora_service.observations.run_view import EgoView
+from drivora_service.observations.trace import LEVEL_GAP, Col, Role, Trace
+
+BEFORE = 20.0
+"""Seconds before the contact that are considered."""
+
+AFTER = 10.0
+"""Seconds for which the replay goes on after the contact."""
+
+NEAR = 150.0
+"""Radius around the contact in which others are replayed, metres."""
+
+SAME_WAY = math.radians(30.0)
+"""Difference of headings up to which an actor goes the ego's way, radians."""
+
+_ONWARDS = 300.0
+"""Metres of the straight extension of the ego's path beyond the contact."""
+
+_SMOOTHING = 0.3
+"""Seconds over which the braking of others is measured."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Replay:
+    """The rows of a trace around a collision: R rows, P points of the path, M others.
+
+    Row ``i`` here is row ``first + i`` of the trace; the contact is in row ``contact``; rows after
+    it are extrapolated. The actor that was hit is the first of the others.
+
+    Attributes:
+        step: Seconds between rows.
+        first: Row of the trace at which the replay begins.
+        contact: Row of the replay at the contact.
+        length: Of the ego, metres.
+        width: Of the ego, metres.
+        path: (P, 5) arc length, x, y, heading (continuous) and curvature (1/m) of the ego's path:
+            its recorded positions up to the contact, and one point straight ahead.
+        speed: (contact + 1,) m/s over ground of the ego.
+        others: (R, M, 3) x, y and heading; NaN where absent.
+        present: (R, M) flags.
+        sizes: (M, 2) length and width, metres.
+        walks: (M,) flags of walkers.
+        rows: (M,) rows of the others in the trace.
+        friction: Highest friction coefficient of the road in these rows; NaN if not recorded.
+        road: (R,) friction of the road beside patches, as a share of ``friction``; less in worse
+            weather, which after the record stays as it is.
+        patches: (S, 8) slippery places on the ego's level, columns ``ground.PatchCol``, at height
+            0 and with their friction as a share of ``friction``.
+        wheelbase: Of the ego, metres.
+    """
+
+    step: float
+    first: int
+    contact: int
+    length: float
+    width: float
+    path: FloatArray
+    speed: FloatArray
+    others: FloatArray
+    present: BoolArray
+    sizes: FloatArray
+    walks: BoolArray
+    rows: IntArray
+    friction: float
+    road: FloatArray
+    patches: FloatArray
+    wheelbase: float
+
+
+def cut_out(ego: EgoView, k: int, counterpart: int) -> Replay:
+    """Returns the data for replaying a contact.
+
+    Args:
+        ego: The ego.
+        k: Its row at the contact; at least 1.
+        counterpart: Row of the other actor in the trace.
+    """
+    trace = ego.trace
+    begin = max(k - round(BEFORE / trace.step_length), 0)
+    states = ego.states[begin : k + 1]
+    first, contact = ego.first + begin, k - begin
+    rows = _near(trace, ego, k, counterpart)
+    after = round(AFTER / trace.step_length)
+    others, present = _motion(trace, rows, first, contact, after, float(states[-1, Col.YAW]))
+    actors = [trace.actors[row] for row in rows]
+    road = road_frictions(trace, first, len(others))
+    friction = float(road.max())
+    return Replay(
+        step=trace.step_length,
+        first=first,
+        contact=contact,
+        length=ego.actor.length,
+        width=ego.actor.width,
+        path=_path(states),
+        speed=np.ascontiguousarray(ego.speed[begin : k + 1]),
+        others=others,
+        present=present,
+        sizes=np.array([(actor.length, actor.width) for actor in actors]),
+        walks=np.array([actor.role is Role.NPC_WALKER for actor in actors]),
+        rows=np.array(rows, dtype=np.int32),
+        friction=friction,
+        road=road / friction,
+        patches=_patches(trace, float(states[-1, Col.Z]), friction),
+        wheelbase=wheelbase_of(ego.actor),
+    )
+
+
+def _patches(trace: Trace, height: float, friction: float) -> FloatArray:
+    patches = trace_patches(trace)
+    here = patches[np.abs(patches[:, PatchCol.Z] - height) <= LEVEL_GAP]
+    here[:, PatchCol.Z] = 0.0
+    here[:, PatchCol.FRICTION] /= friction
+    return here
+
+
+def _near(trace: Trace, ego: EgoView, k: int, counterpart: int) -> list[int]:
+    """Returns the rows of the relevant others on the ego's level, the actor that was hit first."""
+    step = ego.first + k
+    place = ego.states[k]
+    window = trace.states[max(step - round(AFTER / trace.step_length), 0) : step + 1]
+    with np.errstate(invalid="ignore"):
+        away = np.hypot(window[:, :, Col.X] - place[Col.X], window[:, :, Col.Y] - place[Col.Y])
+        level = np.abs(window[:, :, Col.Z] - place[Col.Z]) <= LEVEL_GAP
+        near = ((away < NEAR) & level).any(axis=0)
+    near[[ego.row, counterpart]] = False
+    return [counterpart, *np.flatnonzero(near).tolist()]
+
+
+def _path(states: FloatArray) -> FloatArray:
+    """Returns the (P, 5) path through (n, 9) states."""
+    path = np.zeros((len(states) + 1, 5))
+    path[:-1, 0] = arc_lengths(states[:, [Col.X, Col.Y]])
+    path[:-1, 1:3] = states[:, [Col.X, Col.Y]]
+    path[:-1, 3] = np.unwrap(states[:, Col.YAW])
+    end = path[-2]
+    path[-1] = end[0] + _ONWARDS, *_beyond(end), end[3], 0.0
+    speed = np.hypot(states[:, Col.VX], states[:, Col.VY])
+    turning = np.abs(states[:, Col.YAW_RATE])
+    path[:-1, 4] = np.where(speed > 1.0, turning / np.maximum(speed, 1.0), 0.0)
+    return path
+
+
+def _beyond(end: FloatArray) -> tuple[float, float]:
+    return end[1] + _ONWARDS * math.cos(end[3]), end[2] + _ONWARDS * math.sin(end[3])
+
+
+def _motion(
+    trace: Trace, rows: list[int], first: int, contact: int, after: int, heading: float
+) -> tuple[FloatArray, BoolArray]:
+    """Returns (R, M, 3) poses and (R, M) presence of the others, extrapolated after the record."""
+    count = contact + after + 1
+    others = np.full((count, len(rows), 3), np.nan)
+    present = np.zeros((count, len(rows)), dtype=np.bool_)
+    kept = min(trace.step_count - first, count)
+    others[:kept] = trace.states[first : first + kept][:, rows, :3]
+    present[:kept] = trace.present[first : first + kept][:, rows]
+    for m, row in enumerate(rows):
+        last = contact if m == 0 else kept - 1
+        if not present[last, m]:
+            continue
+        _carry_on(trace, first, row, last, heading, others[:, m])
+        present[last:, m] = True
+    return others, present
+
+
+def _carry_on(
+    trace: Trace, first: int, row: int, last: int, heading: float, poses: FloatArray
+) -> None:
+    """Fills the (R, 3) poses of an actor after row ``last``."""
+    state = trace.states[first + last, row]
+    back = max(first + last - max(round(_SMOOTHING / trace.step_length), 1), 0)
+    speed = math.hypot(state[Col.VX], state[Col.VY])
+    braking = 0.0
+    if trace.present[back, row] and back < first + last:
+        before = math.hypot(*trace.states[back, row, [Col.VX, Col.VY]])
+        braking = max((before - speed) / ((first + last - back) * trace.step_length), 0.0)
+    way = math.atan2(state[Col.VY], state[Col.VX]) if speed > 0.1 else float(state[Col.YAW])
+    yaw = float(state[Col.YAW])
+    if abs(wrap_angle(way - heading)) < SAME_WAY:
+        yaw = way = heading
+    times = trace.step_length * np.arange(1, len(poses) - last)
+    if braking > 0.0:
+        times = np.minimum(times, speed / braking)
+    distance = speed * times - 0.5 * braking * times**2
+    poses[last + 1 :, 0] = state[Col.X] + distance * math.cos(way)
+    poses[last + 1 :, 1] = state[Col.Y] + distance * math.sin(way)
+    poses[last + 1 :, 2] = yaw

@@ -1,0 +1,1 @@
+"""What follows from verdicts: accountability, facts of failures, JSON, marks."""

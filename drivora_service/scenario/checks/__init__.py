@@ -1,0 +1,1 @@
+"""Checks of documents and scenarios, against networks and catalogues."""

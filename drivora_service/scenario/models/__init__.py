@@ -1,0 +1,1 @@
+"""The models of actors, with their figures."""

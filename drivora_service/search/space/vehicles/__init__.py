@@ -1,0 +1,1 @@
+"""NPC vehicles of candidates: genes, paths, places and decoding."""

@@ -1,0 +1,1 @@
+"""Actors that follow a path: NPC vehicles and walkers."""

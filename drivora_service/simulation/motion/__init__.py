@@ -1,0 +1,1 @@
+"""The kernels that move egos and advance a step."""

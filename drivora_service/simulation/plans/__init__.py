@@ -1,0 +1,1 @@
+"""The plan of an episode: its actors, paths, lights, and their arrays."""

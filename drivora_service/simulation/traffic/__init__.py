@@ -1,0 +1,1 @@
+"""SUMO's side of an episode: its vehicles, stand-ins, background traffic."""

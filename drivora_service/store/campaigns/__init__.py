@@ -1,0 +1,1 @@
+"""Campaigns and studies: their tables, records, evaluations and failures."""

@@ -1,0 +1,1 @@
+"""What has changed: the count of changes, and lists by it."""

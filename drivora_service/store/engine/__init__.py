@@ -1,0 +1,1 @@
+"""Below all tables: connections, dialects, statements, pages, ids."""

@@ -1,0 +1,1 @@
+"""Locks on data folders, files and pieces of long work."""

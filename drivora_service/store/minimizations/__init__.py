@@ -1,0 +1,1 @@
+"""Minimisations: their table, records and repository."""

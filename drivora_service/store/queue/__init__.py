@@ -1,0 +1,1 @@
+"""The queue: submitting runs, leasing them to owners, and writing their ends."""

@@ -1,0 +1,1 @@
+"""Runs and batches: their tables, records, lists, filters and results."""

@@ -1,0 +1,1 @@
+"""Suites that were run, with the decisions of their gates."""

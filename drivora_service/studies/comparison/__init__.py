@@ -1,0 +1,1 @@
+"""Campaigns and the campaigns of studies, compared by measures and curves."""

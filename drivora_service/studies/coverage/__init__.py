@@ -1,0 +1,1 @@
+"""What the scenarios of a campaign cover: roads, laws, genes, kinds of scenarios."""

@@ -1,0 +1,230 @@
+"""Reading a study: the document, and all its campaigns, validated together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_documents import CampaignDocument, campaign_text
+from drivora_service.campaigns.document.campaign_reading import ValidCampaign, read_campaign
+from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.scenario.document_problems import in_document_order
+from drivora_service.scenario.fields import MAX_SEED
+from drivora_service.scenario.structure import read_structure
+from drivora_service.store.campaigns.campaign_records import NewCampaign, StudyCell
+from drivora_service.studies.study_documents import MAX_CAMPAIGNS, StudyDocument
+
+_MOST_BYTES = 32 << 20
+"""Size of a document, which holds many scenarios."""
+
+_LONGEST_NAME = 200
+"""Characters of the name of a campaign."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ValidStudy:
+    """A study that can be run.
+
+    Attributes:
+        document: The document, with defaults filled in.
+        campaigns: In the order in which they begin: repetition by repetition, so that every
+            scenario, agent and method has results early.
+        genes: Numbers that describe a candidate; the most, if the campaigns differ.
+        notes: Remarks on how the document was interpreted.
+    """
+
+    document: StudyDocument
+    campaigns: tuple[NewCampaign, ...]
+    genes: int
+    notes: tuple[str, ...]
+
+    @property
+    def simulations(self) -> int:
+        """Number of simulations of all campaigns together, at most."""
+        return sum(campaign.budget for campaign in self.campaigns)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Combination:
+    """A scenario, an agent and a method, by their places in the lists of the document."""
+
+    scenario: int
+    agent: int
+    method: int
+
+
+def read_study(
+    data: str | bytes | Mapping[str, Any],
+    catalogues: Catalogues,
+    format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
+) -> ValidStudy:
+    """Reads a study and validates each of its campaigns, their spaces and testers included.
+
+    Args:
+        data: Text, or its parsed content.
+        catalogues: Catalogues for the names.
+        format: Language of the text; YAML without aliases and tags.
+
+    Raises:
+        InvalidDocument: The document has problems; all are listed, in document order.
+        NetworkError: A network's file cannot be read.
+    """
+    document, content, odd = read_structure(
+        data, StudyDocument, format, what="a study", most_bytes=_MOST_BYTES
+    )
+    problems = [*odd, *_repeated_labels(document), *_beyond_limits(document)]
+    if problems:
+        raise InvalidDocument(in_document_order(problems, content))
+    valid, genes, problems = _read_all(document, catalogues)
+    if problems:
+        raise InvalidDocument(in_document_order(problems, content))
+    return ValidStudy(
+        document=document,
+        campaigns=tuple(_campaigns(document, valid)),
+        genes=genes,
+        notes=tuple(dict.fromkeys(note for one in valid.values() for note in one.notes)),
+    )
+
+
+def _repeated_labels(document: StudyDocument) -> Iterator[Problem]:
+    for key, labels in (
+        ("scenarios", document.scenario_labels),
+        ("agents", document.agent_labels),
+        ("methods", document.method_labels),
+    ):
+        for place, label in enumerate(labels):
+            if label in labels[:place]:
+                message = f"found {label!r} again; give each a `label` of its own"
+                yield Problem(
+                    pointer=f"/{key}/{place}/label", code="repeated_label", message=message
+                )
+
+
+def _beyond_limits(document: StudyDocument) -> Iterator[Problem]:
+    if document.seed + document.repetitions - 1 > MAX_SEED:
+        message = f"found {document.seed}; the last repetition's seed would be above {MAX_SEED}"
+        yield Problem(pointer="/seed", code="seed_too_large", message=message)
+    if document.size > MAX_CAMPAIGNS:
+        yield Problem(
+            pointer="",
+            code="too_many_campaigns",
+            message=f"found {document.size} campaigns; at most {MAX_CAMPAIGNS} are allowed: make "
+            "several studies",
+        )
+
+
+def _read_all(
+    document: StudyDocument, catalogues: Catalogues
+) -> tuple[dict[_Combination, ValidCampaign], int, list[Problem]]:
+    """Reads the first campaign of each combination.
+
+    Returns:
+        The valid campaigns, the greatest number of their genes, and problems at their places.
+    """
+    valid: dict[_Combination, ValidCampaign] = {}
+    genes = 0
+    problems: dict[Problem, None] = {}
+    refused: set[tuple[str, int]] = set()
+    for scenario in range(len(document.scenarios)):
+        for agent in range(len(document.agent_labels)):
+            for method in range(len(document.methods)):
+                places = (("scenario", scenario), ("agent", agent), ("method", method))
+                if refused.intersection(places):
+                    # What is wrong with a part is found once.
+                    continue
+                one = _Combination(scenario=scenario, agent=agent, method=method)
+                try:
+                    valid[one] = _read(document, one, catalogues)
+                    if agent == 0:
+                        # What the space and the tester refuse does not depend on the agent.
+                        genes = max(genes, _searched_genes(valid[one], catalogues))
+                except InvalidDocument as error:
+                    for problem in error.problems:
+                        placed, part = _placed(problem, document, one)
+                        problems[placed] = None
+                        if part in dict(places):
+                            refused.add((part, dict(places)[part]))
+    return valid, genes, list(problems)
+
+
+def _searched_genes(valid: ValidCampaign, catalogues: Catalogues) -> int:
+    """Makes the search of a campaign, and returns the number of its genes."""
+    # Imported here: it needs the code of all testers.
+    from drivora_service.campaigns.search.search_preparation import prepare_search
+
+    return prepare_search(valid, catalogues, run_prefix="").genes
+
+
+def _read(document: StudyDocument, one: _Combination, catalogues: Catalogues) -> ValidCampaign:
+    scenario = document.scenarios[one.scenario]
+    space = document.space if scenario.space is None else scenario.space
+    content: dict[str, Any] = {
+        "name": _name(document, one, 1),
+        "tester": document.methods[one.method].model_dump(exclude={"label"}, exclude_none=True),
+        "scenario": scenario.document.model_dump(mode="json", exclude_none=True),
+        "space": space.model_dump(mode="json"),
+        "budget": document.budget.model_dump(),
+        "oracles": document.oracles,
+        "seed": document.seed,
+        "lookahead": document.lookahead,
+    }
+    if document.agents:
+        content["agent"] = document.agents[one.agent].model_dump(exclude={"label"})
+    return read_campaign(content, catalogues)
+
+
+def _placed(problem: Problem, document: StudyDocument, one: _Combination) -> tuple[Problem, str]:
+    """Returns a problem of a campaign at its place in the study, and the part that it is of."""
+    _, _, rest = problem.pointer.partition("/")
+    key, slash, inside = rest.partition("/")
+    own_space = document.scenarios[one.scenario].space is not None
+    prefix, part = {
+        "scenario": (f"/scenarios/{one.scenario}/document", "scenario"),
+        "agent": (f"/agents/{one.agent}", "agent"),
+        "tester": (f"/methods/{one.method}", "method"),
+        "space": (f"/scenarios/{one.scenario}/space" if own_space else "/space", "scenario"),
+    }.get(key, (f"/{key}" if key else "", ""))
+    message = problem.message
+    if problem.pointer in ("/space", "/tester"):
+        # It is the combination that does not work, and not the part by itself.
+        what = document.scenario_labels[one.scenario]
+        message, part = f"with scenario {what!r}: {message}", ""
+    return replace(problem, pointer=prefix + slash + inside, message=message), part
+
+
+def _campaigns(
+    document: StudyDocument, valid: Mapping[_Combination, ValidCampaign]
+) -> Iterator[NewCampaign]:
+    # Imported here: it needs the code of all testers.
+    from drivora_service.campaigns.records.stored_campaigns import new_campaign
+
+    first = {one: new_campaign(campaign) for one, campaign in valid.items()}
+    for repetition in range(1, document.repetitions + 1):
+        for one, campaign in valid.items():
+            name = _name(document, one, repetition)
+            own = {"name": name, "seed": document.seed + repetition - 1}
+            changed: CampaignDocument = campaign.document.model_copy(update=own)
+            yield replace(
+                first[one],
+                name=name,
+                document=campaign_text(changed),
+                cell=StudyCell(
+                    scenario=document.scenario_labels[one.scenario],
+                    agent=document.agent_labels[one.agent],
+                    method=document.method_labels[one.method],
+                    repetition=repetition,
+                ),
+            )
+
+
+def _name(document: StudyDocument, one: _Combination, repetition: int) -> str:
+    parts: Sequence[str] = (
+        document.name,
+        document.scenario_labels[one.scenario],
+        *((document.agent_labels[one.agent],) if document.agents else ()),
+        document.method_labels[one.method],
+        str(repetition),
+    )
+    return ", ".join(parts)[:_LONGEST_NAME]

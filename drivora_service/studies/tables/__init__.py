@@ -1,0 +1,1 @@
+"""Tables of runs, evaluations and studies, and the forms that clients ask for."""

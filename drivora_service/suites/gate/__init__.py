@@ -1,0 +1,1 @@
+"""The gate of a suite: its document, baseline, limits and decision."""

@@ -1,0 +1,242 @@
+"""The baseline of a suite: the failures that were accepted, a file to commit."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from pydantic import ValidationError
+
+from drivora_service.errors import ConfigurationError
+from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.shapes import Shape, adapter, to_json
+from drivora_service.suites.suite_failures import FailureKey, Found
+from drivora_service.suites.suite_results import SuiteResults, SuiteRun
+
+VERSION: Literal["1.0"] = "1.0"
+
+METRIC_DIGITS = 6
+"""Decimals of the means of metrics."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BaselineFailure(Shape):
+    """A failure as it was accepted.
+
+    Attributes:
+        oracle: Violated oracle; `agent_failed`; or `metric NAME`.
+        ego: Id of the ego; empty if it is of none.
+        counterpart: Id of the other actor; empty without one.
+        runs: Runs in which it occurred.
+        accountability: The strongest of its violations.
+        sentence: Facts of its first violation, for people.
+    """
+
+    oracle: str
+    ego: str = ""
+    counterpart: str = ""
+    runs: int
+    accountability: Accountability
+    sentence: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BaselineScenario(Shape):
+    """What was accepted of a scenario.
+
+    Attributes:
+        sha256: Hash of the scenario.
+        seeds: Seeds of its judged runs.
+        failures: What failed in them, sorted.
+        metrics: Means of metrics over these runs, by name.
+    """
+
+    sha256: str
+    seeds: tuple[int, ...]
+    failures: tuple[BaselineFailure, ...] = ()
+    metrics: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Baseline(Shape):
+    """The accepted failures of a suite.
+
+    Attributes:
+        version: Version of this format.
+        suite: Name of the suite.
+        agent: ADS that drove; empty: as in the scenarios.
+        agent_parameters: Its parameters that were set, as `NAME=VALUE`.
+        versions: Versions of the software that took part, by name.
+        scenarios: By name.
+    """
+
+    version: Literal["1.0"] = VERSION
+    suite: str
+    agent: str
+    agent_parameters: tuple[str, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=dict)
+    scenarios: Mapping[str, BaselineScenario]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BaselineChange:
+    """A difference between two baselines.
+
+    Attributes:
+        scenario: Name of the scenario.
+        what: The failure, or "" for the scenario itself.
+        before: In words.
+        after: In words.
+    """
+
+    scenario: str
+    what: str
+    before: str
+    after: str
+
+
+def read_baseline(path: Path) -> Baseline:
+    """Reads a baseline file.
+
+    Raises:
+        ConfigurationError: It cannot be read, or holds something else.
+    """
+    try:
+        baseline: Baseline = adapter(Baseline).validate_json(path.read_bytes())
+    except OSError as error:
+        raise ConfigurationError(
+            f"{path} cannot be read: {error.strerror}; `drivora suite baseline` writes one"
+        ) from error
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = "/".join(map(str, first["loc"])) or "the whole"
+        raise ConfigurationError(f"{path} is no baseline: {place}: {first['msg']}") from error
+    for name, scenario in baseline.scenarios.items():
+        for failure in scenario.failures:
+            if not 1 <= failure.runs <= len(scenario.seeds):
+                raise ConfigurationError(
+                    f"{path} is no baseline: {name}: {failure.oracle} occurs in {failure.runs} of "
+                    f"{len(scenario.seeds)} runs"
+                )
+    return baseline
+
+
+def baseline_text(baseline: Baseline) -> str:
+    """Writes a baseline as JSON that is good to compare line by line."""
+    content = json.loads(to_json(Baseline, baseline))
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def make_baseline(results: SuiteResults, found: Found, *, metrics: Collection[str]) -> Baseline:
+    """Returns the baseline that accepts what the runs of a suite show.
+
+    Args:
+        results: The runs.
+        found: What they show.
+        metrics: Names of the metrics whose means are kept.
+    """
+    by_scenario = results.of_scenario()
+    scenarios: dict[str, BaselineScenario] = {}
+    for name, sha256 in results.scenarios.items():
+        runs = [run for run in by_scenario[name] if run not in found.unfinished]
+        if not runs:
+            # Nothing is known of it.
+            continue
+        scenarios[name] = BaselineScenario(
+            sha256=sha256,
+            seeds=tuple(run.seed for run in runs if run.seed is not None),
+            failures=tuple(
+                BaselineFailure(
+                    oracle=key.oracle,
+                    ego=key.ego,
+                    counterpart=key.counterpart,
+                    runs=failure.runs,
+                    accountability=failure.accountability,
+                    sentence=failure.sentence,
+                )
+                for key, failure in sorted(found.failures.items())
+                if key.scenario == name
+            ),
+            metrics=_means(runs, metrics),
+        )
+    return Baseline(
+        suite=results.suite,
+        agent=results.agent,
+        agent_parameters=results.agent_parameters,
+        versions=results.versions,
+        scenarios=scenarios,
+    )
+
+
+def baseline_changes(old: Baseline | None, new: Baseline) -> Iterator[BaselineChange]:
+    """Yields the differences between two baselines, by scenario; ``None``: there was none."""
+    known = {} if old is None else old.scenarios
+    for name in sorted({*known, *new.scenarios}):
+        before, after = known.get(name), new.scenarios.get(name)
+        if before is None or after is None:
+            yield BaselineChange(
+                scenario=name,
+                what="",
+                before="not in the baseline" if before is None else _summary(before),
+                after="not in the baseline" if after is None else _summary(after),
+            )
+            continue
+        if before.sha256 != after.sha256:
+            yield BaselineChange(
+                scenario=name, what="", before="another scenario", after=_summary(after)
+            )
+        yield from _failure_changes(name, before, after)
+
+
+def accepted_failures(
+    scenarios: Mapping[str, BaselineScenario],
+) -> dict[FailureKey, BaselineFailure]:
+    """Returns the accepted failures of scenarios by their keys."""
+    return {
+        FailureKey(
+            scenario=name,
+            oracle=failure.oracle,
+            ego=failure.ego,
+            counterpart=failure.counterpart,
+        ): failure
+        for name, scenario in scenarios.items()
+        for failure in scenario.failures
+    }
+
+
+def _failure_changes(
+    name: str, before: BaselineScenario, after: BaselineScenario
+) -> Iterator[BaselineChange]:
+    old, new = accepted_failures({name: before}), accepted_failures({name: after})
+    for key in sorted({*old, *new}):
+        words = [
+            "passes" if one is None else f"fails in {one.runs} of {len(scenario.seeds)}"
+            for one, scenario in ((old.get(key), before), (new.get(key), after))
+        ]
+        was, now = old.get(key), new.get(key)
+        if words[0] != words[1] or (
+            was is not None and now is not None and was.accountability != now.accountability
+        ):
+            yield BaselineChange(
+                scenario=name,
+                what=str(key).removeprefix(f"{name}: "),
+                before=words[0],
+                after=words[1],
+            )
+
+
+def _summary(scenario: BaselineScenario) -> str:
+    count = len(scenario.failures)
+    return f"{count} failure{'' if count == 1 else 's'} in {len(scenario.seeds)} runs"
+
+
+def _means(runs: list[SuiteRun], names: Collection[str]) -> dict[str, float]:
+    means = {}
+    for name in sorted(names):
+        values = [value for run in runs if (value := run.value_of(name)) is not None]
+        if values:
+            means[name] = round(sum(values) / len(values), METRIC_DIGITS)
+    return means

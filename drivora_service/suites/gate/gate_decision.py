@@ -1,0 +1,166 @@
+"""What a gate decided on the results of a suite, and why."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from drivora_service.suites.gate.baseline import BaselineFailure
+from drivora_service.suites.gate.failure_classes import IN_ORDER, FailureClass
+from drivora_service.suites.gate.occurrence_statistics import Interval, Occurrences
+from drivora_service.suites.suite_failures import Failure, FailureKey, KnownOccurrence
+from drivora_service.suites.suite_results import SuiteRun
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClassifiedFailure:
+    """A failure, now or in the baseline, with what has become of it.
+
+    Attributes:
+        now: ``None`` if it does not occur any more.
+        before: ``None`` if it did not occur in the baseline, or there is none.
+        in_runs: How often it occurs now.
+        in_runs_before: How often it occurred; 0 of 0 if nothing is known of its scenario.
+        p: That it occurs more often than before, corrected for the number of such tests; ``None``
+            if that was not tested.
+        fails: Whether the gate fails for it.
+    """
+
+    key: FailureKey
+    failure_class: FailureClass
+    now: Failure | None
+    before: BaselineFailure | None
+    in_runs: Occurrences
+    in_runs_before: Occurrences
+    p: float | None
+    fails: bool
+
+    @property
+    def sentence(self) -> str:
+        """The facts of the failure."""
+        if self.now is not None:
+            return self.now.sentence
+        return "" if self.before is None else self.before.sentence
+
+    @property
+    def change(self) -> str:
+        """What has changed, in words."""
+        now = _counted(self.in_runs)
+        if not self.in_runs_before.of:
+            return f"fails in {now}"
+        before = _counted(self.in_runs_before)
+        tested = "" if self.p is None else f" (p {self.p:.2g})"
+        return f"fails in {now}, before in {before}{tested}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitAnswer:
+    """The answer to one limit of a gate.
+
+    Attributes:
+        what: What is limited, in words.
+        value: Its value, with a confidence interval if there are repetitions; ``None``: it is not
+            measurable.
+        allowed: What is allowed, in words.
+        fails: Whether it is violated, for certain where there is an interval.
+        is_uncertain: The value is beyond the limit, and the interval is not.
+    """
+
+    what: str
+    value: Interval | None
+    allowed: str
+    fails: bool
+    is_uncertain: bool = False
+
+    @property
+    def cells(self) -> tuple[str, str, str, str]:
+        """The answer in the columns of a table: limit, value, allowed and result."""
+        value = "not measurable" if self.value is None else str(self.value)
+        result = "fails" if self.fails else "uncertain" if self.is_uncertain else "holds"
+        return self.what, value, self.allowed, result
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OverallAnswer:
+    """Whether failures of all scenarios together occur more often than in the baseline.
+
+    Attributes:
+        before: Failing runs in the scenarios that both have.
+        now: The same of these results.
+        p: One-sided; ``None`` if no scenario can show a difference.
+    """
+
+    before: Occurrences
+    now: Occurrences
+    p: float | None
+    fails: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Decision:
+    """The decision of a gate.
+
+    Attributes:
+        reasons: Why it fails, one sentence each; empty: it does not.
+        failures: What fails, and what has changed, in the order of reports.
+        has_baseline: Whether there was a baseline.
+        limits: Of violations and of metrics.
+        overall: ``None`` without a baseline, or if the gate does not ask for it.
+        known: Known failures of the ADS.
+        unfinished: Runs that were not judged.
+        ignores_unfinished: Whether the gate may pass with such runs.
+        not_in_baseline: Scenarios of which the baseline knows nothing, or another version.
+        not_run: Scenarios of the baseline that were not run.
+        scenarios: Scenarios that were run.
+        failing_scenarios: Scenarios with a failure in any run.
+        judged_runs: Runs that were judged.
+    """
+
+    reasons: tuple[str, ...]
+    failures: tuple[ClassifiedFailure, ...]
+    has_baseline: bool
+    limits: tuple[LimitAnswer, ...]
+    overall: OverallAnswer | None
+    known: tuple[KnownOccurrence, ...]
+    unfinished: tuple[SuiteRun, ...]
+    ignores_unfinished: bool
+    not_in_baseline: tuple[str, ...]
+    not_run: tuple[str, ...]
+    scenarios: int
+    failing_scenarios: int
+    judged_runs: int
+
+    @property
+    def fails(self) -> bool:
+        """Whether the gate fails."""
+        return bool(self.reasons)
+
+    @property
+    def counts(self) -> Mapping[FailureClass, int]:
+        """The number of failures of each class, in the order of reports."""
+        counted = Counter(one.failure_class for one in self.failures)
+        return {which: counted[which] for which in IN_ORDER}
+
+    @property
+    def sentence(self) -> str:
+        """How things stand, in one sentence."""
+        word = "failed" if self.fails else "passed"
+        if self.has_baseline:
+            classes = ", ".join(f"{count} {which}" for which, count in self.counts.items() if count)
+            found = f"{classes} against the baseline" if classes else "no failure, as before"
+        else:
+            found = plural(len(self.failures), "failure") if self.failures else "no failure"
+        return (
+            f"Gate {word}: {found}; {self.failing_scenarios} of {self.scenarios} scenarios fail "
+            f"in {self.judged_runs} judged runs"
+        )
+
+
+def plural(count: int, noun: str) -> str:
+    """Returns a number of things in words."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def _counted(occurrences: Occurrences) -> str:
+    return f"{occurrences.runs} of {plural(occurrences.of, 'run')}"

@@ -1,0 +1,139 @@
+"""What counts as a failure of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from drivora_service.oracles.verdict import Outcome, Severity, Verdict
+from drivora_service.oracles.verdicts.accountability import accountability
+from drivora_service.oracles.verdicts.failure_facts import failure_sentence, is_consequence
+from drivora_service.runs.run_report import RunStatus
+from drivora_service.shapes import Shape
+from drivora_service.suites.gate.counted_failures import COUNTED, Counted
+from drivora_service.suites.paired.paired_runs import PairedRun
+
+
+class Unfinished(StrEnum):
+    """The runs without a judgement that are failures."""
+
+    AGENT = "agent"
+    """Those that the ADS ended: it raised, hung, died or answered invalidly."""
+    ALL = "all"
+    """Those that ended without a judgement for any reason but a cancellation or an invalid
+    scenario."""
+    NONE = "none"
+    """None of them."""
+
+
+_ENDED_BY_FAULTS = frozenset(
+    {
+        RunStatus.AGENT_FAILED,
+        RunStatus.PLUGIN_FAILED,
+        RunStatus.SIMULATOR_CRASHED,
+        RunStatus.TIMED_OUT,
+        RunStatus.INFRASTRUCTURE_FAILED,
+    }
+)
+_COUNTED: Mapping[Unfinished, frozenset[RunStatus]] = {
+    Unfinished.AGENT: frozenset({RunStatus.AGENT_FAILED}),
+    Unfinished.ALL: _ENDED_BY_FAULTS,
+    Unfinished.NONE: frozenset(),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailureFound(Shape):
+    """A failure of a run.
+
+    Attributes:
+        oracle: The violated oracle; of a run without a judgement, its status.
+        sentence: Facts of the first violation.
+        time: Simulation time in seconds at which it began; null if there is none.
+        violations: How often the oracle was violated.
+    """
+
+    oracle: str
+    sentence: str
+    time: float | None = None
+    violations: int = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judged:
+    """A run under the rules of a comparison.
+
+    Attributes:
+        failures: By oracle.
+        not_measurable: Oracles that could not be judged; they are not failures.
+        oracles: Oracles with a verdict.
+    """
+
+    failures: Mapping[str, FailureFound]
+    not_measurable: frozenset[str]
+    oracles: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rules:
+    """What counts as a failure.
+
+    Attributes:
+        counted: The violations that count.
+        unfinished: The runs without a judgement that count.
+        oracles: The only oracles that count, observations included; empty: all but observations
+            and destinations that were missed by what another oracle judges, and runs without a
+            judgement.
+    """
+
+    counted: Counted = Counted.ACCOUNTABLE
+    unfinished: Unfinished = Unfinished.AGENT
+    oracles: frozenset[str] = frozenset()
+
+    def judge(self, run: PairedRun) -> Judged | None:
+        """Returns the failures of a run; ``None`` if it has no result that counts."""
+        if run.status is not RunStatus.FINISHED:
+            if self.oracles or run.status not in _COUNTED[self.unfinished]:
+                return None
+            status = str(run.status)
+            found = FailureFound(oracle=status, sentence=_ending(run))
+            return Judged(failures={status: found}, not_measurable=frozenset(), oracles=frozenset())
+        verdicts = [verdict for verdict in run.verdicts if self._looks_at(verdict)]
+        failing: dict[str, list[Verdict]] = {}
+        for verdict in verdicts:
+            if self._counts(verdict):
+                failing.setdefault(verdict.oracle, []).append(verdict)
+        unknown = {v.oracle for v in verdicts if v.outcome is Outcome.NOT_MEASURABLE}
+        return Judged(
+            failures={oracle: _found(found, run) for oracle, found in failing.items()},
+            not_measurable=frozenset(unknown - failing.keys()),
+            oracles=run.oracles & self.oracles if self.oracles else run.oracles,
+        )
+
+    def _looks_at(self, verdict: Verdict) -> bool:
+        return not self.oracles or verdict.oracle in self.oracles
+
+    def _counts(self, verdict: Verdict) -> bool:
+        if verdict.outcome is not Outcome.VIOLATED:
+            return False
+        if not self.oracles and (
+            verdict.severity is Severity.OBSERVATION or is_consequence(verdict)
+        ):
+            return False
+        return accountability(verdict) in COUNTED[self.counted]
+
+
+def _found(verdicts: Collection[Verdict], run: PairedRun) -> FailureFound:
+    first = min(verdicts, key=lambda verdict: (verdict.time is None, verdict.time or 0.0))
+    return FailureFound(
+        oracle=first.oracle,
+        sentence=failure_sentence(first, town=run.scenario.town),
+        time=first.time,
+        violations=len(verdicts),
+    )
+
+
+def _ending(run: PairedRun) -> str:
+    cause = f": {run.cause.replace('_', ' ')}" if run.cause else ""
+    return f"The run ended without a judgement{cause}."

@@ -1,0 +1,1 @@
+"""Replay: a stored run and its repetition, compared."""

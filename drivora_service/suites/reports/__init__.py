@@ -1,0 +1,1 @@
+"""Reports of a suite: HTML, JUnit XML, CSV, Markdown."""

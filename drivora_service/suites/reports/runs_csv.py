@@ -1,0 +1,63 @@
+"""The runs of a suite as CSV: a row for each."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+from drivora_service.studies.tables.csv_text import safe_cells
+from drivora_service.suites.reports.suite_report import STATES_IN_WORDS, SuiteReport
+
+_COLUMNS = (
+    "scenario",
+    "repetition",
+    "seed",
+    "state",
+    "status",
+    "cause",
+    "run_id",
+    "town",
+    "agents",
+    "violations",
+    "failures",
+    "sim_time_s",
+    "wall_time_s",
+    "trace_sha256",
+)
+
+
+def runs_csv(report: SuiteReport) -> str:
+    """Returns a row for each run, with all metrics in columns of their own.
+
+    Returns:
+        CSV with a header; values that are not measurable are empty.
+    """
+    metrics = sorted({name for run in report.results.runs for name in run.metrics})
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*_COLUMNS, *safe_cells(metrics)])
+    for row in report.rows:
+        for run in row.runs:
+            failures = [
+                one.key.oracle
+                for one in row.failures
+                if one.now is not None and run.seed in one.now.seeds
+            ]
+            values = (
+                row.name,
+                run.repetition,
+                run.seed,
+                STATES_IN_WORDS[row.state],
+                run.status,
+                run.cause,
+                run.run_id,
+                run.town,
+                " ".join(dict.fromkeys(run.agents.values())),
+                " ".join(dict.fromkeys(verdict.oracle for verdict in run.violations)),
+                " ".join(failures),
+                run.sim_time_s,
+                run.wall_time_s,
+                run.trace_sha256,
+            )
+            writer.writerow([*safe_cells(values), *(run.metrics.get(name) for name in metrics)])
+    return text.getvalue()

@@ -1,0 +1,209 @@
+"""Reading a suite: the document and all its names, validated together."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import chain
+from typing import Any, Literal
+
+from pydantic import ValidationError
+
+from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.scenario.document_problems import in_document_order, structural_problems
+from drivora_service.scenario.structure import read_structure
+from drivora_service.suites.suite import (
+    Difficulty,
+    KnownFailure,
+    MetricBounds,
+    Suite,
+    SuiteScenario,
+)
+from drivora_service.suites.suite_documents import (
+    EXTENSION,
+    ExpectationsDocument,
+    MetricBoundsDocument,
+    SuiteDocument,
+    SuiteScenarioDocument,
+)
+from drivora_service.suites.suite_failures import AGENT_FAILED
+
+_MOST_BYTES = 256 << 20
+"""Size of a document, which holds many scenarios."""
+
+
+def read_suite(
+    data: str | bytes | Mapping[str, Any],
+    *,
+    oracles: Collection[str],
+    metrics: Collection[str],
+    format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
+) -> Suite:
+    """Reads a suite, its scenarios included; their roads and agents are checked when they are run.
+
+    Args:
+        data: Text, or its parsed content.
+        oracles: Names of the oracles that runs are judged by.
+        metrics: Names of the metrics that describe runs.
+        format: Language of the text; YAML without aliases and tags.
+
+    Raises:
+        InvalidDocument: The document has problems; all are listed, in document order.
+    """
+    document, content, odd = read_structure(
+        data, SuiteDocument, format, what="a suite", most_bytes=_MOST_BYTES
+    )
+    carried, problems = _carried(document)
+    problems += [
+        *odd,
+        *_repeated_names(document),
+        *_unknown_names(document, carried, oracles=oracles, metrics=metrics),
+    ]
+    if problems:
+        raise InvalidDocument(in_document_order(problems, content))
+    return Suite(
+        name=document.name,
+        description=document.description,
+        scenarios=tuple(
+            _scenario(document, one, carried[place]) for place, one in enumerate(document.scenarios)
+        ),
+        repetitions=document.repetitions,
+    )
+
+
+_NO_EXPECTATIONS = ExpectationsDocument()
+
+
+def _carried(document: SuiteDocument) -> tuple[list[ExpectationsDocument], list[Problem]]:
+    """Reads the expectations that the scenarios carry themselves."""
+    carried: list[ExpectationsDocument] = []
+    problems: list[Problem] = []
+    for place, one in enumerate(document.scenarios):
+        content = one.document.extensions.get(EXTENSION)
+        expectations = _NO_EXPECTATIONS
+        if content is not None:
+            try:
+                expectations = ExpectationsDocument.model_validate(content)
+            except ValidationError as error:
+                problems += [
+                    replace(problem, pointer=_extension_place(place) + problem.pointer)
+                    for problem in structural_problems(error, ExpectationsDocument)
+                ]
+        carried.append(expectations)
+    return carried, problems
+
+
+def _extension_place(place: int) -> str:
+    return f"/scenarios/{place}/document/extensions/{EXTENSION}"
+
+
+def _scenario(
+    suite: SuiteDocument, one: SuiteScenarioDocument, carried: ExpectationsDocument
+) -> SuiteScenario:
+    oracles = next(
+        (given for given in (one.oracles, carried.oracles, suite.oracles) if given is not None),
+        None,
+    )
+    difficulty = one.difficulty or carried.difficulty
+    return SuiteScenario(
+        name=one.name,
+        document=one.document,
+        tags=tuple(dict.fromkeys((*suite.tags, *carried.tags, *one.tags))),
+        oracles=None if oracles is None else frozenset(oracles),
+        counts=one.counts or carried.counts or suite.counts,
+        metrics={
+            name: MetricBounds(at_least=bounds.at_least, at_most=bounds.at_most)
+            for name, bounds in {**suite.metrics, **carried.metrics, **one.metrics}.items()
+        },
+        known_failures=tuple(
+            KnownFailure(
+                oracle=known.oracle or "",
+                ego=known.ego or "",
+                counterpart=known.counterpart or "",
+                agents=frozenset(known.agents),
+                reason=known.reason,
+            )
+            for known in (*carried.known_failures, *one.known_failures)
+        ),
+        difficulty=None
+        if difficulty is None
+        else Difficulty(failed_by=difficulty.failed_by, passed_by=difficulty.passed_by),
+    )
+
+
+def _repeated_names(document: SuiteDocument) -> Iterator[Problem]:
+    first: dict[str, int] = {}
+    for place, one in enumerate(document.scenarios):
+        if first.setdefault(one.name, place) != place:
+            yield Problem(
+                pointer=f"/scenarios/{place}/name",
+                code="repeated_name",
+                message=f"found {one.name!r} again (first at /scenarios/{first[one.name]}); names "
+                "must be unique",
+            )
+
+
+def _unknown_names(
+    document: SuiteDocument,
+    carried: Sequence[ExpectationsDocument],
+    *,
+    oracles: Collection[str],
+    metrics: Collection[str],
+) -> Iterator[Problem]:
+    yield from _unknown_oracles("", document.oracles or (), oracles)
+    yield from _unknown_metrics("", document.metrics, metrics)
+    egos = [[ego.id for ego in one.document.ego_vehicles] for one in document.scenarios]
+    yield from _unknown_egos("", document.metrics, list(dict.fromkeys(chain(*egos))))
+    for place, one in enumerate(document.scenarios):
+        for prefix, expected in (
+            (f"/scenarios/{place}", one),
+            (_extension_place(place), carried[place]),
+        ):
+            yield from _unknown_oracles(prefix, expected.oracles or (), oracles)
+            yield from _unknown_metrics(prefix, expected.metrics, metrics)
+            yield from _unknown_egos(prefix, expected.metrics, egos[place])
+            for index, known in enumerate(expected.known_failures):
+                if known.oracle not in (None, AGENT_FAILED, *oracles):
+                    pointer = f"{prefix}/known_failures/{index}/oracle"
+                    yield unknown("oracle", known.oracle or "", (AGENT_FAILED, *oracles), pointer)
+
+
+def _unknown_oracles(
+    prefix: str, names: Collection[str], known: Collection[str]
+) -> Iterator[Problem]:
+    for index, name in enumerate(names):
+        if name not in known:
+            yield unknown("oracle", name, known, f"{prefix}/oracles/{index}")
+
+
+def _unknown_metrics(
+    prefix: str, bounds: Mapping[str, MetricBoundsDocument], known: Collection[str]
+) -> Iterator[Problem]:
+    for name in bounds:
+        if not is_metric(name, known):
+            yield unknown("metric", name, known, f"{prefix}/metrics/{name}")
+
+
+def _unknown_egos(
+    prefix: str, bounds: Mapping[str, MetricBoundsDocument], egos: Collection[str]
+) -> Iterator[Problem]:
+    """Yields metrics of egos that do not exist: their bounds would always hold."""
+    for name in bounds:
+        _, bracket, ego = name.partition("[")
+        if bracket and ego.removesuffix("]") not in egos:
+            yield unknown("ego", ego.removesuffix("]"), egos, f"{prefix}/metrics/{name}")
+
+
+def is_metric(name: str, known: Collection[str]) -> bool:
+    """Returns whether a name is that of a metric, or of its value for one ego, ``NAME[EGO]``."""
+    metric, bracket, _ = name.partition("[")
+    return metric in known and (not bracket or name.endswith("]"))
+
+
+def unknown(kind: str, name: str, known: Collection[str], pointer: str) -> Problem:
+    """Returns the problem of a name that is not in a catalogue."""
+    return Problem(
+        pointer=pointer,
+        code=f"unknown_{kind}",
+        message=f"unknown {kind} {name[:80]!r}; known: {', '.join(known)}",
+    )

@@ -1,0 +1,259 @@
+"""Engines in processes of their own, without workers for their queued runs."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from drivora_service.campaigns.document.campaign_catalogues import Catalogues
+from drivora_service.campaigns.document.campaign_reading import read_campaign
+from drivora_service.campaigns.hosts.campaign_requests import ask_for
+from drivora_service.campaigns.hosts.campaign_supervisor import CampaignSupervisor
+from drivora_service.campaigns.hosts.engine_process import EngineSetup
+from drivora_service.campaigns.records.stored_campaigns import new_campaign
+from drivora_service.networks.catalogue import shipped_networks
+from drivora_service.search.catalogue import TesterCatalogue
+from drivora_service.store.campaigns.campaign_records import (
+    CampaignRecord,
+    CampaignRequest,
+    CampaignState,
+)
+from drivora_service.store.database import Database
+from drivora_service.store.locks.work_locks import LongWork
+from drivora_service.store.traces.trace_places import TracePlaces
+from tests.campaign_engines import engine_pid
+
+pytestmark = pytest.mark.slow
+
+RUNNING, QUEUED = CampaignState.RUNNING, CampaignState.QUEUED
+_LONG_S = 120.0
+
+DYING = """
+import os
+
+from drivora_service.feedback.measurement import FeedbackChoice
+from drivora_service.search.plugin import TesterPlugin
+from drivora_service.search.testers.random_search import RandomParameters
+
+
+def die(*_given):
+    print("about to die", flush=True)
+    os._exit(7)
+
+
+DYING = TesterPlugin(
+    name="dying",
+    title="Dying",
+    description="takes its process down",
+    source="the tests",
+    parameters=RandomParameters,
+    feedback=FeedbackChoice(name="general"),
+    create=die,
+    is_generational=False,
+)
+"""
+
+
+class Service:
+    """A database with campaigns, and what keeps their engines."""
+
+    def __init__(self, database: Database, catalogues: Catalogues, folder: Path) -> None:
+        self.database, self.catalogues = database, catalogues
+        self.setup = EngineSetup(
+            database_url=str(database.engine.url),
+            campaigns=folder / "campaigns",
+            traces=TracePlaces.below(folder),
+            shipped_networks=shipped_networks(),
+            imported_networks=None,
+            workers=2,
+        )
+        self.queued: list[int] = []
+        self.supervisor = self.supervise()
+
+    def supervise(self, at_once: int = 4) -> CampaignSupervisor:
+        self.supervisor = CampaignSupervisor(
+            self.database, self.setup, at_once=at_once, on_queued=lambda: self.queued.append(1)
+        )
+        return self.supervisor
+
+    def post(self, content: dict[str, Any], *, tester: str = "") -> str:
+        valid = read_campaign(content, self.catalogues)
+        with self.database.write() as transaction:
+            record = transaction.campaigns.create(new_campaign(valid))
+            transaction.campaign_runs.open(record.id)
+            if tester:
+                transaction.session.connection().exec_driver_sql(
+                    "UPDATE campaigns SET document = replace(document, 'random', ?)", (tester,)
+                )
+        return record.id
+
+    def record(self, campaign_id: str) -> CampaignRecord:
+        with self.database.read() as transaction:
+            return transaction.campaigns.get(campaign_id)
+
+    def queued_runs(self, campaign_id: str) -> int:
+        with self.database.read() as transaction:
+            batch = transaction.batches.get(self.record(campaign_id).batch_id)
+        return batch.size
+
+    def ask(self, campaign_id: str, request: CampaignRequest) -> None:
+        ask_for(self.database, campaign_id, request)
+
+    def until(self, state: CampaignState, campaign_id: str) -> CampaignRecord:
+        wait_until(lambda: self.record(campaign_id).state is state)
+        return self.record(campaign_id)
+
+    def engine_pid(self, campaign_id: str) -> int:
+        """Returns the process of a campaign that was started last."""
+        return engine_pid(self.setup.folder(campaign_id).path)
+
+    def engine(self, campaign_id: str) -> int:
+        """Returns the process of a campaign, once it has queued as many runs as may wait."""
+        wait_until(lambda: self.queued_runs(campaign_id) == 8)
+        return self.engine_pid(campaign_id)
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + _LONG_S
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def service(database: Database, catalogues: Catalogues, tmp_path: Path) -> Iterator[Service]:
+    made = Service(database, catalogues, tmp_path)
+    yield made
+    made.supervisor.stop()
+
+
+def test_an_engine_queues_runs_and_never_loads_the_simulator(
+    service: Service, content: dict[str, Any]
+) -> None:
+    campaign = service.post(content)
+    service.supervisor.start()
+    engine = psutil.Process(service.engine(campaign))
+    assert service.record(campaign).state is RUNNING
+    wait_until(lambda: bool(service.queued))
+    assert engine.pid != os.getpid()
+    assert not [m.path for m in engine.memory_maps() if "libsumo" in m.path]
+    service.supervisor.stop()
+    assert not engine.is_running()
+    assert service.record(campaign).state is RUNNING
+
+
+def test_the_next_supervisor_resumes_a_campaign_and_queues_nothing_twice(
+    service: Service, content: dict[str, Any]
+) -> None:
+    campaign = service.post(content)
+    service.supervisor.start()
+    first = service.engine(campaign)
+    service.supervisor.stop()
+    service.supervise().start()
+    wait_until(lambda: service.engine_pid(campaign) != first)
+    service.ask(campaign, CampaignRequest.PAUSE)
+    service.until(CampaignState.PAUSED, campaign)
+    assert service.queued_runs(campaign) == 8
+
+
+def test_only_so_many_run_at_once(service: Service, content: dict[str, Any]) -> None:
+    first, second = service.post(content), service.post(content)
+    service.supervise(at_once=1).start()
+    service.engine(first)
+    assert service.record(second).state is QUEUED
+    service.ask(first, CampaignRequest.CANCEL)
+    service.until(CampaignState.CANCELLED, first)
+    service.until(RUNNING, second)
+
+
+def test_campaigns_of_commands_are_left_alone(service: Service, content: dict[str, Any]) -> None:
+    valid = read_campaign(content, service.catalogues)
+    with service.database.write() as transaction:
+        embedded = transaction.campaigns.create(new_campaign(valid)).id
+    held, free = service.post(content), service.post(content)
+    lock = service.database.locks.hold(LongWork.campaign(held))
+    try:
+        service.supervisor.start()
+        service.until(RUNNING, free)
+        assert service.record(held).state is QUEUED
+        assert service.record(embedded).state is QUEUED
+    finally:
+        lock.release()
+    service.until(RUNNING, held)
+
+
+def test_requests_during_a_downtime_are_followed(service: Service, content: dict[str, Any]) -> None:
+    campaign = service.post(content)
+    with service.database.write() as transaction:
+        transaction.campaigns.begin(campaign)
+        transaction.campaigns.ask_for(campaign, CampaignRequest.PAUSE)
+    service.supervisor.start()
+    service.until(CampaignState.PAUSED, campaign)
+    assert not (service.setup.log(campaign)).exists()
+
+
+def test_a_campaign_that_was_paused_while_its_engine_started_does_not_run(
+    service: Service, content: dict[str, Any]
+) -> None:
+    campaign = service.post(content)
+    service.supervisor.start()
+    wait_until(lambda: service.setup.log(campaign).exists())
+    service.ask(campaign, CampaignRequest.PAUSE)
+    service.until(CampaignState.PAUSED, campaign)
+    service.supervisor.stop()
+    assert service.record(campaign).state is CampaignState.PAUSED
+
+
+def test_an_engine_that_is_killed_is_started_again(
+    service: Service, content: dict[str, Any]
+) -> None:
+    campaign = service.post(content)
+    service.supervisor.start()
+    first = service.engine(campaign)
+    os.kill(first, signal.SIGKILL)
+    wait_until(lambda: service.engine_pid(campaign) != first)
+    assert service.record(campaign).state is RUNNING
+    assert service.supervisor.fault == ""
+
+
+def test_a_campaign_whose_engine_always_dies_has_failed(
+    service: Service,
+    content: dict[str, Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    site = tmp_path / "site"
+    info = site / "dying_tester-1.0.dist-info"
+    info.mkdir(parents=True)
+    (site / "dying_tester.py").write_text(DYING)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: dying-tester\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(
+        "[drivora_service.testers]\ndying = dying_tester:DYING\n"
+    )
+    # Engines get the path of the process that starts them.
+    monkeypatch.syspath_prepend(site)
+    assert "dying" in TesterCatalogue().names()
+    campaign = service.post(content, tester="dying")
+    service.supervisor.start()
+    failed = service.until(CampaignState.FAILED, campaign)
+    assert "died 4 times after 0 evaluations, the last time of exit code 7" in failed.message
+    assert failed.message.endswith("about to die")
+    assert service.setup.log(campaign).read_text().count("about to die") == 4
+
+
+def test_the_message_of_an_engine_is_kept(service: Service, content: dict[str, Any]) -> None:
+    campaign = service.post(content)
+    with service.database.write() as transaction:
+        transaction.session.connection().exec_driver_sql(
+            "UPDATE campaigns SET network_sha256 = 'other'"
+        )
+    service.supervisor.start()
+    failed = service.until(CampaignState.FAILED, campaign)
+    assert "has changed since campaign" in failed.message

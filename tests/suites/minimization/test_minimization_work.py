@@ -1,0 +1,77 @@
+"""What a minimisation takes over from a process that has ended, and when it has ended itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.runs.run_report import RunReport, RunStatus
+from drivora_service.scenario.documents import document_text, parse_document
+from drivora_service.store.minimizations.minimization_repository import ActiveMinimization
+from drivora_service.suites.minimization.minimization_work import Work
+from tests.store.samples import finished, new_minimization
+from tests.suites.minimization.synthetic import checker
+
+
+@pytest.fixture
+def work(tmp_path: Path) -> Work:
+    """A minimisation of a scenario that no run of these tests lets fail."""
+    active = ActiveMinimization(
+        id="m" * 24,
+        run_id="r" * 24,
+        batch_id="b" * 24,
+        failure=new_minimization().failure,
+        budget=10,
+        document=document_text(parse_document(SCENARIO)),
+    )
+    return Work(active, checker(), lambda run_id: tmp_path / run_id)
+
+
+def cancelled(run_id: str) -> RunReport:
+    return RunReport(run_id=run_id, status=RunStatus.CANCELLED)
+
+
+def message(work: Work) -> str:
+    """How it has ended, "" while it goes on."""
+    return "" if work.end is None else f"{work.end.state}: {work.end.message}"
+
+
+def test_runs_that_are_not_needed_any_more_count_before_the_end(work: Work) -> None:
+    (wanted,) = work.wanted(2)
+    assert wanted.run_id is not None
+    work.resume([finished(wanted.run_id).report], ["ahead"])
+    assert work.wanted(2) == ()
+    assert message(work) == ""
+    work.take(finished("ahead").report)
+    assert message(work).startswith("failed: the scenario")
+    assert "does not fail in the same way" in message(work)
+    assert work.progress.simulations == 2
+
+
+def test_runs_that_were_cancelled_with_their_process_are_made_again(work: Work) -> None:
+    (wanted,) = work.wanted(2)
+    assert wanted.run_id is not None
+    work.resume([cancelled(f"{number}") for number in range(5)], [])
+    assert [run.run_id for run in work.wanted(2)] == [wanted.run_id]
+    assert message(work) == ""
+
+
+def test_what_is_lost_and_not_needed_any_more_does_no_harm(work: Work) -> None:
+    (wanted,) = work.wanted(2)
+    assert wanted.run_id is not None
+    work.resume([finished(wanted.run_id).report], [f"{number}" for number in range(3)])
+    assert work.wanted(2) == ()
+    for number in range(3):
+        assert message(work) == ""
+        work.take(cancelled(f"{number}"))
+    assert "does not fail in the same way" in message(work)
+
+
+def test_runs_that_are_lost_again_and_again_end_it(work: Work) -> None:
+    for number in range(3):
+        assert message(work) == ""
+        work.take(cancelled(f"{number}"))
+    assert work.wanted(2) == ()
+    assert message(work) == "failed: run 2 could not be performed"
