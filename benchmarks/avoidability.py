@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.search_scenes import FREQUENT, Scene, catalogues, prepared, scenes_of
+from benchmarks.search_scenes import FREQUENT, Scene, catalogues, prepare_scene, scenes_of
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
@@ -80,7 +80,7 @@ def scenes(agent: str) -> dict[str, Scene]:
 def candidates(part: Part, repetition: int) -> Iterator[tuple[int, str]]:
     """Yields numbers and documents of the candidates that a random campaign draws."""
     scene = scenes(part.agent)[part.scene]
-    (only,) = prepared(scene, seed=repetition, simulations=SIMULATIONS).parts
+    (only,) = prepare_scene(scene, seed=repetition, simulations=SIMULATIONS).parts
     for number in range(SIMULATIONS):
         (proposal,) = only.tester.ask(1)
         candidate = only.candidates.prepare(proposal.values)
@@ -134,7 +134,7 @@ def collide(
             "number": number,
             "trace": path.name,
             "trace_sha256": report.trace_sha256,
-            **_said(verdict),
+            **_verdict_content(verdict),
             "milliseconds": _cost(read_trace(path), verdict),
         }
 
@@ -143,7 +143,7 @@ def _perform(spec: RunSpec) -> RunReport:
     return perform(spec, WorkerSetup(shipped_networks=shipped_networks()))
 
 
-def _said(verdict: Verdict) -> dict[str, Any]:
+def _verdict_content(verdict: Verdict) -> dict[str, Any]:
     return {
         "ego": verdict.ego,
         "counterpart": verdict.counterpart,
@@ -188,7 +188,7 @@ def judge(options: argparse.Namespace) -> None:
                 for verdict in Collision().judge(RunView(trace, network))
                 if (verdict.ego, verdict.counterpart) == (line["ego"], line["counterpart"])
             )
-            new = {**line, **_said(verdict), "milliseconds": _cost(trace, verdict)}
+            new = {**line, **_verdict_content(verdict), "milliseconds": _cost(trace, verdict)}
             file.write(json.dumps(new) + "\n")
 
 

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import httpx
 
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 from tests.scenario.conftest import GOOD
 from tests.scenario.test_bad_input import BROKEN
 
@@ -53,7 +53,7 @@ def main() -> None:
     options = parser.parse_args()
     with (
         tempfile.TemporaryDirectory() as name,
-        running_service(Path(name), workers=1) as url,
+        run_service(Path(name), workers=1) as url,
         httpx.Client(base_url=f"{url}/api/v1", timeout=60.0) as client,
     ):
         for turn in ("first", "second"):

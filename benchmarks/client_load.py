@@ -34,7 +34,7 @@ import psutil
 
 from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.api.guards.client_connections import raise_descriptor_limit
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 
 PREFIX = "/api/v1"
 _PATIENCE_S = 60.0
@@ -78,10 +78,10 @@ class Seen:
 def ask_for_a_while(load: Load) -> Seen:
     """Runs one process of clients."""
     raise_descriptor_limit()
-    return asyncio.run(_clients(load))
+    return asyncio.run(_run_clients(load))
 
 
-async def _clients(load: Load) -> Seen:
+async def _run_clients(load: Load) -> Seen:
     answers: Counter[str] = Counter()
     waits: list[float] = []
     rude = 0
@@ -176,18 +176,18 @@ def report(name: str, parts: Sequence[Seen], seconds: float) -> dict[str, object
     }
 
 
-def _finished(client: httpx.Client, batch: str) -> int:
+def _count_finished(client: httpx.Client, batch: str) -> int:
     return int(client.get(batch).json()["counts"].get("finished", 0))
 
 
-def _pace(client: httpx.Client, batch: str, seconds: float) -> float:
+def _measure_pace(client: httpx.Client, batch: str, seconds: float) -> float:
     """Measures the finished runs of each second."""
-    before, began = _finished(client, batch), time.monotonic()
+    before, began = _count_finished(client, batch), time.monotonic()
     time.sleep(seconds)
-    return (_finished(client, batch) - before) / (time.monotonic() - began)
+    return (_count_finished(client, batch) - before) / (time.monotonic() - began)
 
 
-def _health(url: str, seconds: float) -> dict[str, float]:
+def _measure_health(url: str, seconds: float) -> dict[str, float]:
     """Sends ten requests a second, each over a connection of its own."""
     waits = []
     address = urlsplit(url)
@@ -221,7 +221,7 @@ def main() -> None:
     with (
         tempfile.TemporaryDirectory() as folder,
         ProcessPoolExecutor(options.processes, multiprocessing.get_context("spawn")) as pool,
-        running_service(Path(folder) / "data", workers=options.workers) as url,
+        run_service(Path(folder) / "data", workers=options.workers) as url,
         httpx.Client(base_url=url, timeout=_PATIENCE_S) as client,
     ):
         server = psutil.Process(json.loads((Path(folder) / "data/service.json").read_text())["pid"])
@@ -249,12 +249,12 @@ def main() -> None:
         if options.scene == "readers":
             scenarios = [{**SCENARIO, "seed": seed} for seed in range(_POSTED)]
             batch = client.post(f"{PREFIX}/batches", json=scenarios).headers["Location"]
-            alone = _pace(client, batch, options.seconds)
+            alone = _measure_pace(client, batch, options.seconds)
             used = sum(server.cpu_times()[:2])
             running = start(pool, load, options.processes)
-            read = _pace(client, batch, options.seconds)
+            read = _measure_pace(client, batch, options.seconds)
             parts = [future.result() for future in running]
-            again = _pace(client, batch, options.seconds)
+            again = _measure_pace(client, batch, options.seconds)
             extra = {
                 "runs_per_s_alone": round((alone + again) / 2, 2),
                 "runs_per_s_read": round(read, 2),
@@ -266,13 +266,13 @@ def main() -> None:
             database.isolation_level = None
             database.execute("BEGIN EXCLUSIVE")
             running = start(pool, load, options.processes)
-            extra = dict(_health(url, options.seconds))
+            extra = dict(_measure_health(url, options.seconds))
             database.execute("ROLLBACK")
             database.close()
             parts = [future.result() for future in running]
         else:
             running = start(pool, load, options.processes)
-            extra = dict(_health(url, options.seconds))
+            extra = dict(_measure_health(url, options.seconds))
             parts = [future.result() for future in running]
         seen = report(options.scene, parts, options.seconds)
         asked = sum(sum(part.answers.values()) for part in parts)

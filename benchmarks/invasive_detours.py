@@ -22,7 +22,7 @@ from drivora_service.markdown_text import table
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.model import Scenario
 from drivora_service.search.space.usable_area import intruders
-from drivora_service.simulation.followers.free_motion import planned_motions
+from drivora_service.simulation.followers.free_motion import plan_motions
 from drivora_service.store.campaigns.campaign_records import CampaignState
 from drivora_service.store.database import Database, open_database
 
@@ -39,7 +39,7 @@ def is_invasive(scenario: Scenario) -> bool:
         for actor in actors
     )
     network = catalogues().networks.get(scenario.map_region.town)
-    return bool(intruders(scenario, network, names, planned_motions))
+    return bool(intruders(scenario, network, names, plan_motions))
 
 
 def count(database: Database, study_id: str, method: str) -> dict[str, Counter[tuple[bool, bool]]]:

@@ -96,7 +96,8 @@ def table(driven: Sequence[Route], reports: Mapping[str, RunReport]) -> str:
         lines.append(
             f"| {route.spec.run_id} | {route.polyline:.0f} | {route.length:.0f} "
             f"| {route.length / route.polyline:.3f} | {left_out} "
-            f"| {'yes' if _arrived(report) else 'no'} | {report.sim_time_s:.0f} | {hits} | {reds} "
+            f"| {'yes' if _has_arrived(report) else 'no'} | {report.sim_time_s:.0f} "
+            f"| {hits} | {reds} "
             f"| {'' if score is None else f'{score:.1f}'} |"
         )
     return "\n".join(lines) + "\n"
@@ -113,13 +114,13 @@ def _row(report: RunReport) -> str:
         if v.outcome is Outcome.VIOLATED and v.oracle in (*_GRAVE, "destination", "blocked")
     ]
     return (
-        f"{report.run_id:38} {'arrived' if _arrived(report) else 'not there':9} "
+        f"{report.run_id:38} {'arrived' if _has_arrived(report) else 'not there':9} "
         f"{report.sim_time_s:6.1f} s  score {report.metrics['driving_score'] or 0.0:5.1f}  "
         f"{'; '.join(broken)}"
     )
 
 
-def _arrived(report: RunReport) -> bool:
+def _has_arrived(report: RunReport) -> bool:
     return any(v.oracle == "destination" and v.outcome is Outcome.PASSED for v in report.verdicts)
 
 
@@ -170,7 +171,7 @@ def main() -> None:
         for v in r.verdicts
         if v.outcome is Outcome.VIOLATED
     )
-    arrived = sum(_arrived(r) for r in finished)
+    arrived = sum(_has_arrived(r) for r in finished)
     print(
         f"{len(todo)} routes, {len(finished)} judged, {arrived} arrived; violated: {dict(broken)}"
     )

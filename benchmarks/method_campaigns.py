@@ -134,7 +134,7 @@ TELLING: dict[str, Telling] = {
 """Scenes in which each finds something."""
 
 
-def generated_campaign(
+def make_generated_campaign(
     networks: NetworkCatalogue, tester: str, town: str, *, seed: int, simulations: int
 ) -> dict[str, Any]:
     """Writes a campaign on a generated seed scenario."""
@@ -151,7 +151,7 @@ def generated_campaign(
     }
 
 
-def telling_campaign(tester: str, *, seed: int, simulations: int) -> dict[str, Any]:
+def make_telling_campaign(tester: str, *, seed: int, simulations: int) -> dict[str, Any]:
     """Writes a campaign on a scene in which the method finds something."""
     telling = TELLING[tester]
     scenes = [scene for study in (FREQUENT, SEVERAL_EGOS) for scene in scenes_of(study, "idm")]

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from benchmarks.method_campaigns import TELLING, generated_campaign, telling_campaign
+from benchmarks.method_campaigns import TELLING, make_generated_campaign, make_telling_campaign
 from benchmarks.methods import METHODS, installed_methods
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_reading import read_campaign
@@ -63,7 +63,7 @@ def run_whole(
 ) -> dict[str, Any]:
     """Runs a campaign; returns the counts of its candidates."""
     catalogues = Catalogues(networks)
-    document = generated_campaign(
+    document = make_generated_campaign(
         networks, wanted.tester, wanted.town, seed=wanted.seed, simulations=wanted.simulations
     )
     valid = read_campaign(json.dumps(document), catalogues)
@@ -116,17 +116,17 @@ def check_budgets(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
             yield run_whole(setup, networks, wanted, options.workers)
 
 
-def sequence(data: Path, campaign_id: str) -> list[tuple[object, ...]]:
+def read_sequence(data: Path, campaign_id: str) -> list[tuple[object, ...]]:
     """Returns the parts of a campaign's evaluations that must not depend on circumstances."""
     database = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
     try:
         records = list(StoreJournal(database, campaign_id).evaluations())
     finally:
         database.close()
-    return [_told(record) for record in records]
+    return [_comparison_key(record) for record in records]
 
 
-def _told(record: EvaluationRecord) -> tuple[object, ...]:
+def _comparison_key(record: EvaluationRecord) -> tuple[object, ...]:
     report = record.report
     return (
         record.number,
@@ -159,7 +159,7 @@ def finish(data: Path, *arguments: str) -> str:
     return str(json.loads(done.stdout)["id"])
 
 
-def told_so_far(data: Path) -> tuple[str, int]:
+def find_newest_campaign(data: Path) -> tuple[str, int]:
     """Returns the newest campaign and its number of evaluations; ("", 0) for none."""
     database = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
     try:
@@ -174,17 +174,17 @@ def told_so_far(data: Path) -> tuple[str, int]:
 def kill_at(data: Path, process: subprocess.Popen[bytes], told: int) -> int:
     """Kills a campaign's process group after a number of evaluations; returns their number."""
     while process.poll() is None:
-        if told_so_far(data)[1] >= told:
+        if find_newest_campaign(data)[1] >= told:
             os.killpg(process.pid, signal.SIGKILL)
             break
         time.sleep(0.05)
     process.wait()
-    return told_so_far(data)[1]
+    return find_newest_campaign(data)[1]
 
 
 def last_checkpoint(data: Path) -> int:
     """Returns the evaluations before the newest campaign's last checkpoint; 0 without any."""
-    folder = CampaignFolder(data / "campaigns", told_so_far(data)[0]).path / "checkpoints"
+    folder = CampaignFolder(data / "campaigns", find_newest_campaign(data)[0]).path / "checkpoints"
     return max((int(path.stem) for path in folder.glob("*.checkpoint")), default=0)
 
 
@@ -194,7 +194,9 @@ def check_kills(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             file = folder / "campaign.json"
-            document = telling_campaign(tester, seed=options.seed, simulations=options.simulations)
+            document = make_telling_campaign(
+                tester, seed=options.seed, simulations=options.simulations
+            )
             file.write_text(json.dumps(document))
             two = finish(folder / "two", "run", str(file), "--workers", "2")
             one = finish(folder / "one", "run", str(file), "--workers", "1")
@@ -215,11 +217,11 @@ def check_kills(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
                 told = min(max(moment, least), options.simulations - 1)
                 killed.append(kill_at(data, process, told))
                 resumed_at.append(last_checkpoint(data))
-                arguments = ["resume", told_so_far(data)[0]]
+                arguments = ["resume", find_newest_campaign(data)[0]]
             finish(data, *arguments)
-            whole = sequence(folder / "two", two)
-            alone = sequence(folder / "one", one)
-            again = sequence(data, arguments[1])
+            whole = read_sequence(folder / "two", two)
+            alone = read_sequence(folder / "one", one)
+            again = read_sequence(data, arguments[1])
             yield {
                 "method": tester,
                 "scene": TELLING[tester].scene,

@@ -123,7 +123,7 @@ def _fill_chunk(
     session.execute(insert(EvaluationRow), evaluations)
     if failures:
         session.execute(insert(FailureRow), failures)
-        session.execute(insert(FoundRow), [_found(failure) for failure in failures])
+        session.execute(insert(FoundRow), [_make_found_row(failure) for failure in failures])
 
 
 def _failures(draw: random.Random, campaign_seq: int, number: int) -> Iterator[dict[str, Any]]:
@@ -144,7 +144,7 @@ def _failures(draw: random.Random, campaign_seq: int, number: int) -> Iterator[d
         }
 
 
-def _found(failure: dict[str, Any]) -> dict[str, Any]:
+def _make_found_row(failure: dict[str, Any]) -> dict[str, Any]:
     same = ("campaign_seq", "number", "place", "oracle", "at_fault", "accountability")
     return {name: failure[name] for name in same} | {
         "found_at": _BEGIN + timedelta(seconds=10 * failure["number"]),

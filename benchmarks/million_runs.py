@@ -167,7 +167,7 @@ class Asked:
         self.statements: list[tuple[str, tuple[object, ...]]] = []
 
     @contextmanager
-    def noted(self) -> Iterator[None]:
+    def record_statements(self) -> Iterator[None]:
         """Records the statements."""
 
         def note(
@@ -273,7 +273,7 @@ async def ask(database: Database, folder: Path, rounds: int) -> list[str]:
             for word, value in names.items():
                 path = re.sub(rf"\b{word}\b", value, path)
             asked = Asked(database)
-            with asked.noted():
+            with asked.record_statements():
                 answer = await client.get(path)
             assert answer.status_code == 200, (path, answer.text)
             wall: list[float] = []
@@ -321,7 +321,7 @@ async def _last_pages(client: httpx.AsyncClient, names: dict[str, str]) -> list[
     return last
 
 
-def cost_of_writes(database: Database, runs: int) -> str:
+def measure_writes(database: Database, runs: int) -> str:
     """Measures the CPU time of claiming and finishing runs one by one."""
     claimed = finished = 0.0
     with database.write() as transaction:
@@ -363,7 +363,7 @@ def main() -> None:
         fill_campaigns(database, options.evaluations)
     else:
         lines = asyncio.run(ask(database, options.database.parent, options.rounds))
-        cost = cost_of_writes(database, 200)
+        cost = measure_writes(database, 200)
         print(cost)
         if options.out is not None:
             size = options.database.stat().st_size

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import httpx
 
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 from drivora_service.dashboard.build import node_program
 
 WEB = Path(__file__).parents[1] / "drivora_service" / "dashboard" / "web"
@@ -73,7 +73,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path)
     given = parser.parse_args()
     load = os.getloadavg()[0]
-    with running_service(given.data_dir, workers=1) as url:
+    with run_service(given.data_dir, workers=1) as url:
         counts = httpx.get(f"{url}/api/v1/runs:counts", timeout=60).raise_for_status().json()
         measure(url, 1)  # The service and the browser have loaded what they need.
         written = page(dict(measure(url, given.rounds)), runs=counts["total"], load=load)

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.search_scenes import FREQUENT, Scene, catalogues, prepared, scenes_of
+from benchmarks.search_scenes import FREQUENT, Scene, catalogues, prepare_scene, scenes_of
 from drivora_service.campaigns.evaluation.local_evaluator import LocalEvaluator
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
@@ -30,7 +30,7 @@ from drivora_service.runs.candidate import CandidateSource
 from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.search.components import Mutation
 from drivora_service.search.genes import GeneSpace
-from drivora_service.search.mutation import GaussianMutation, RedrawSlice, redrawn
+from drivora_service.search.mutation import GaussianMutation, RedrawSlice, redraw_genes
 from drivora_service.search.redrawing import Redrawing
 from drivora_service.search.space.source import space_of
 from drivora_service.search.testers.behavexplor.mutation import WaypointNoise
@@ -58,7 +58,7 @@ class OnlyWithoutEffect:
         genes = np.flatnonzero(self.which & space.varies)
         some = np.zeros(len(space), dtype=np.bool_)
         some[random.permutation(genes)[: random.integers(1, len(genes) + 1)]] = True
-        return redrawn(values, space, random, some)
+        return redraw_genes(values, space, random, some)
 
 
 MUTATIONS: dict[str, Mutation | None] = {
@@ -83,7 +83,7 @@ class Laboratory:
     """Runs candidates of one scene."""
 
     def __init__(self, evaluator: LocalEvaluator, scene: Scene) -> None:
-        (part,) = prepared(scene).parts
+        (part,) = prepare_scene(scene).parts
         self._evaluator, self._source = evaluator, part.candidates.source
         self._agent = scene.agent
         self.space = part.candidates.genes

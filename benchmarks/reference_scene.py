@@ -38,7 +38,7 @@ class NoReferenceError(DrivoraError):
     """The ADS takes no path in a scene with which others could be compared."""
 
 
-def driven(scenario: Scenario) -> RunView:
+def simulate_scene(scenario: Scenario) -> RunView:
     """Returns a view of the run of a scenario.
 
     Raises:
@@ -61,7 +61,7 @@ def driven(scenario: Scenario) -> RunView:
     return view
 
 
-def with_driven_paths(content: dict[str, Any], agent: str) -> str:
+def add_driven_paths(content: dict[str, Any], agent: str) -> str:
     """Returns the text of a scene's document with an ADS and the paths that it takes.
 
     Raises:
@@ -71,7 +71,9 @@ def with_driven_paths(content: dict[str, Any], agent: str) -> str:
         ego["agent"] = {"name": agent}
     agents = frozenset(catalogues().agents.names())
     scenario = validate_data(content, catalogues().networks, agents).scenario
-    paths = tuple(tuple(map(tuple, recorded_path(ego).tolist())) for ego in driven(scenario).egos)
+    paths = tuple(
+        tuple(map(tuple, recorded_path(ego).tolist())) for ego in simulate_scene(scenario).egos
+    )
     return document_text(to_document(with_reference(scenario, Reference(paths=paths))))
 
 
@@ -83,7 +85,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     options = parser.parse_args()
     try:
-        text = with_driven_paths(json.loads(options.scene.read_text()), options.agent)
+        text = add_driven_paths(json.loads(options.scene.read_text()), options.agent)
     except NoReferenceError as error:
         raise SystemExit(str(error)) from None
     options.out.write_text(text)

@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict
 
 from benchmarks.page import WEB
 from benchmarks.scenes import crowd_scene
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 from drivora_service.client import Client
 from drivora_service.dashboard.build import node_program
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
@@ -156,7 +156,7 @@ def main() -> None:
     load = os.getloadavg()[0]
     with (
         tempfile.TemporaryDirectory() as folder,
-        running_service(Path(folder), workers=1) as url,
+        run_service(Path(folder), workers=1) as url,
     ):
         measured, steps = measure(url, seconds=given.seconds, rounds=given.rounds)
     written = page(measured, steps=steps, load=load)

@@ -31,7 +31,7 @@ from drivora_service.scenario.model import Scenario
 from drivora_service.simulation import sumo
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.planning import plan_episode
-from drivora_service.worker.integrity import judging_code
+from drivora_service.worker.integrity import snapshot_judging_code
 
 STEP = 0.05
 _STEPPING = "stepping"
@@ -106,7 +106,7 @@ def record(scene: Scenario, network: RoadNetwork) -> Tape:
     return tape
 
 
-def floor(tape: Tape, network: Path) -> float:
+def replay_tape(tape: Tape, network: Path) -> float:
     """Replays a tape; returns its processor seconds, reset included."""
     begun = time.process_time()
     sumo.SumoWorld(network, step_length=STEP, seed=0, slippery=False).open()
@@ -150,12 +150,12 @@ def take_apart(document: str, network: RoadNetwork, parts: Parts, trace_path: Pa
     in_sumo = [0.0]
     original = traffic.step
 
-    def timed(*arguments: Any) -> None:
+    def step_and_time(*arguments: Any) -> None:
         begun = time.perf_counter()
         original(*arguments)
         in_sumo[0] += time.perf_counter() - begun
 
-    vars(traffic)["step"] = timed  # of this object alone, to time it
+    vars(traffic)["step"] = step_and_time  # of this object alone, to time it
     begun = time.perf_counter()
     with parts.of(_STEPPING):
         while not episode.done:
@@ -179,7 +179,7 @@ def take_apart(document: str, network: RoadNetwork, parts: Parts, trace_path: Pa
     with parts.of("hash"):
         trace_sha256(trace)
     with parts.of("integrity, twice"):
-        judging_code().changes()
-        judging_code().changes()
+        snapshot_judging_code().changes()
+        snapshot_judging_code().changes()
     with parts.of("(Parquet)"):
         write_trace(trace, trace_path)

@@ -192,11 +192,11 @@ def mixed_scenarios(count: int, seed: int) -> list[Scenario]:
             )
         )
         egos = [validate_document(s, networks, AgentCatalogue().names()).scenario for s in seeds]
-        found += [_mixed(egos[n], egos[share + n], network, rng) for n in range(share)]
+        found += [_add_actors(egos[n], egos[share + n], network, rng) for n in range(share)]
     return found[:count]
 
 
-def _mixed(
+def _add_actors(
     scenario: Scenario, other: Scenario, network: RoadNetwork, rng: np.random.Generator
 ) -> Scenario:
     way = other.ego_vehicles[0].route

@@ -87,7 +87,7 @@ def campaign_document(
     }
 
 
-def prepared(scene: Scene, *, seed: int = 1, simulations: int = 1) -> Search:
+def prepare_scene(scene: Scene, *, seed: int = 1, simulations: int = 1) -> Search:
     """Prepares random search in a scene.
 
     Raises:

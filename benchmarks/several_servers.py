@@ -314,10 +314,10 @@ def measure(url: str, folder: Path, plan: Plan) -> Outcome:
     finally:
         fleet.stop()
     seconds = time.monotonic() - begun
-    return _count(url, plan, campaign["id"], fleet, seconds, _contradictions(url, folder))
+    return _count(url, plan, campaign["id"], fleet, seconds, _count_contradictions(url, folder))
 
 
-def _contradictions(url: str, folder: Path) -> int:
+def _count_contradictions(url: str, folder: Path) -> int:
     database = open_database(url)
     try:
         traces = TraceFolder(folder / "traces")

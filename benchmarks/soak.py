@@ -180,16 +180,16 @@ def in_turn(services: Sequence[Service], *, rounds: int, size: int) -> list[list
     found: list[list[Round]] = [[] for _ in services]
     for number in range(rounds + 1):
         for service, its in zip(services, found, strict=True):
-            before, begun = _used(service), time.monotonic()
+            before, begun = _measure_cpu(service), time.monotonic()
             service.wait_until_ended(service.post(work), size, seconds=_PATIENCE_S)
-            seconds, after = time.monotonic() - begun, _used(service)
+            seconds, after = time.monotonic() - begun, _measure_cpu(service)
             if number:
                 cpu_s, server_cpu_s = (b - a for a, b in zip(before, after, strict=True))
                 its.append(Round(seconds=seconds, cpu_s=cpu_s, server_cpu_s=server_cpu_s))
     return found
 
 
-def _used(service: Service) -> tuple[float, float]:
+def _measure_cpu(service: Service) -> tuple[float, float]:
     tree = processes.tree(service.pid)
     return sum(_cpu_s(process) for process in tree), _cpu_s(tree[0])
 

@@ -24,9 +24,9 @@ from pathlib import Path
 
 import httpx
 
-from benchmarks.run_cost import floor, record
+from benchmarks.run_cost import record, replay_tape
 from benchmarks.scenes import usual_scenes
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.spec_running import run_all
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
@@ -75,7 +75,7 @@ def warm_executor(slots: int, folder: Path) -> Iterator[Measured]:
 def warm_service(slots: int, folder: Path) -> Iterator[Measured]:
     """Returns a function that posts scenes to a real server and waits for their last run."""
     with (
-        running_service(folder, workers=slots) as url,
+        run_service(folder, workers=slots) as url,
         httpx.Client(base_url=f"{url}/api/v1", timeout=300.0) as client,
     ):
 
@@ -131,7 +131,7 @@ def _replay(pipe: Connection) -> None:
     pipe.send(None)
     while times := pipe.recv():
         for tape, network in islice(cycle(tapes), times):
-            floor(tape, network)
+            replay_tape(tape, network)
         pipe.send(None)
 
 

@@ -29,7 +29,7 @@ from drivora_service.execution.housekeeping import Housekeeping
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.ownership import Ownership
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.oracles.laws.sources import law_sources
+from drivora_service.oracles.laws.sources import read_law_sources
 from drivora_service.retention_settings import retention
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
@@ -37,7 +37,7 @@ from drivora_service.store.database import make_data_folder, open_database
 from drivora_service.store.locks.command_locks import CommandLocks
 from drivora_service.store.locks.server_folder import ServerFolder
 from drivora_service.store.locks.work_locks import WorkKind
-from drivora_service.store.traces.stored_traces import stored_trace
+from drivora_service.store.traces.stored_traces import find_trace_path
 from drivora_service.studies.service_studies import ServiceStudies
 from drivora_service.suites.minimization.minimization_runner import MinimizationRunner
 from drivora_service.trace_settings import trace_places
@@ -129,9 +129,9 @@ def create_service(
     catalogues = Catalogues(
         NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
         settings.agents_folder,
-        law_sources(settings.laws_folder),
+        read_law_sources(settings.laws_folder),
     )
-    trace_path = partial(stored_trace, lambda: database, traces)
+    trace_path = partial(find_trace_path, lambda: database, traces)
     minimizations = MinimizationRunner(
         lambda: database,
         catalogues,
@@ -239,7 +239,7 @@ def _engine_setup(settings: Settings) -> EngineSetup:
         imported_networks=settings.imported_networks_dir,
         workers=settings.workers if settings.executor == "local" else _MANY,
         agents=settings.agents_folder,
-        laws=law_sources(settings.laws_folder),
+        laws=read_law_sources(settings.laws_folder),
     )
 
 

@@ -35,12 +35,12 @@ from drivora_service.execution.infrastructure import Infrastructure, folder_prob
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.ownership import Ownership, cancel_runs_of_dead_commands
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.oracles.laws.sources import law_sources
+from drivora_service.oracles.laws.sources import read_law_sources
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
 from drivora_service.store.command_database import CommandDatabase
 from drivora_service.store.locks.command_locks import CommandLocks
-from drivora_service.store.traces.stored_traces import stored_trace
+from drivora_service.store.traces.stored_traces import find_trace_path
 from drivora_service.store.traces.trace_places import TracePlaces
 from drivora_service.studies.command_studies import CommandSetup, CommandStudies
 from drivora_service.suites.minimization.minimization_runner import MinimizationRunner
@@ -100,7 +100,7 @@ class CommandRuns:
             self._reserved += runs
             slots = min(self._most, max(1, self._reserved))
             if self._executor is None:
-                self._dispatcher = self._started(slots)
+                self._dispatcher = self._start_dispatcher(slots)
             elif isinstance(self._executor, LocalExecutor):
                 self._executor.grow(slots)
         return self._owner_id
@@ -116,7 +116,7 @@ class CommandRuns:
             self._dispatcher.stop()
         self._stack.close()
 
-    def _started(self, slots: int) -> Dispatcher:
+    def _start_dispatcher(self, slots: int) -> Dispatcher:
         database, settings = self._database(), self._settings
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="drivora-")))
         infrastructure = Infrastructure(
@@ -174,12 +174,12 @@ def create_command_app(
         ),
     )
     places = trace_places(settings)
-    trace_path = partial(stored_trace, database, places.of_runs())
+    trace_path = partial(find_trace_path, database, places.of_runs())
     runs = CommandRuns(settings, database, places, workers or settings.workers)
     catalogues = Catalogues(
         NetworkCatalogue(shipped_networks(), settings.imported_networks_dir),
         settings.agents_folder,
-        law_sources(settings.laws_folder),
+        read_law_sources(settings.laws_folder),
     )
 
     failure_traces = places.of_failures()
@@ -188,7 +188,7 @@ def create_command_app(
         return CampaignFolder(settings.campaigns_dir, campaign_id, failure_traces)
 
     @contextlib.contextmanager
-    def evaluating(wanted: int | None) -> Iterator[Evaluator]:
+    def open_evaluator(wanted: int | None) -> Iterator[Evaluator]:
         with tempfile.TemporaryDirectory(prefix="drivora-") as folder:
             if settings.executor != "local" and plugin is LOCAL:
                 executor = start_executor(settings, slots=settings.workers, folder=Path(folder))
@@ -205,11 +205,11 @@ def create_command_app(
                 yield made
 
     campaigns = CommandCampaigns(
-        database, campaign_folder, catalogues, evaluating, on_error=on_error
+        database, campaign_folder, catalogues, open_evaluator, on_error=on_error
     )
 
     @contextlib.contextmanager
-    def pooling(wanted: int | None) -> Iterator[SharedPool]:
+    def open_pool(wanted: int | None) -> Iterator[SharedPool]:
         with (
             tempfile.TemporaryDirectory(prefix="drivora-") as folder,
             contextlib.closing(
@@ -226,7 +226,7 @@ def create_command_app(
             database=database,
             campaign_folder=campaign_folder,
             catalogues=catalogues,
-            pool=pooling,
+            pool=open_pool,
             on_error=on_error,
         )
     )

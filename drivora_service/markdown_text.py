@@ -16,7 +16,7 @@ class Markdown(str):
     __slots__ = ()
 
 
-def escaped(text: str) -> str:
+def escape_markdown(text: str) -> str:
     """Returns a text on one line, without what Markdown would read as markup or HTML."""
     line = _inline(text)
     return f"\\{line}" if line.startswith(_MARKUP_AT_THE_BEGINNING) else line

@@ -62,24 +62,28 @@ def _schemas(type_: type[DataclassInstance]) -> Mapping[str, Mapping[str, Any]]:
     described = _adapter(type_).json_schema()
     definitions = described.get("$defs", {})
     return {
-        name: _inlined(schema, definitions)
+        name: _inline_references(schema, definitions)
         for name, schema in described.get("properties", {}).items()
     }
 
 
-def _inlined(schema: Any, definitions: Mapping[str, Any]) -> Any:
+def _inline_references(schema: Any, definitions: Mapping[str, Any]) -> Any:
     """Returns a schema with what its references stand for; a reference's own keys go before."""
     if isinstance(schema, list):
-        return [_inlined(one, definitions) for one in schema]
+        return [_inline_references(one, definitions) for one in schema]
     if not isinstance(schema, dict):
         return schema
-    own = {key: _inlined(value, definitions) for key, value in schema.items() if key != "$ref"}
+    own = {
+        key: _inline_references(value, definitions)
+        for key, value in schema.items()
+        if key != "$ref"
+    }
     if "$ref" not in schema:
         return own
     name = schema["$ref"].rpartition("/")[2]
     # What contains itself ends here.
     others = {key: value for key, value in definitions.items() if key != name}
-    stands_for = _inlined(definitions.get(name, {}), others)
+    stands_for = _inline_references(definitions.get(name, {}), others)
     return {**{key: stands_for[key] for key in stands_for if key not in _NOT_TYPE}, **own}
 
 
@@ -125,25 +129,25 @@ def parameter_problems(
         for flaw in invalid.errors(include_url=False):
             place = _place(flaw["loc"], taken)
             schema = schemas.get(place[0], {}) if place else {}
-            allowed = f"allowed: {allowed_values(schema)}" if schema else flaw["msg"]
+            allowed = f"allowed: {describe_allowed_values(schema)}" if schema else flaw["msg"]
             problems.append(
                 Problem(
-                    pointer="".join(f"/{_escaped(key)}" for key in place),
+                    pointer="".join(f"/{_escape_key(key)}" for key in place),
                     code=flaw["type"],
-                    message=f"{of}: {'.'.join(place)} is {_shown(flaw['input'])}; {allowed}",
+                    message=f"{of}: {'.'.join(place)} is {_format_value(flaw['input'])}; {allowed}",
                 )
             )
     return tuple(problems)
 
 
-def allowed_values(schema: Mapping[str, Any]) -> str:
+def describe_allowed_values(schema: Mapping[str, Any]) -> str:
     """Describes the allowed values of a parameter in words.
 
     Args:
         schema: JSON Schema, as in :class:`ParameterDescription`.
     """
     if "anyOf" in schema:
-        return " or ".join(allowed_values(choice) for choice in schema["anyOf"])
+        return " or ".join(describe_allowed_values(choice) for choice in schema["anyOf"])
     if "enum" in schema or "const" in schema:
         return ", ".join(map(json.dumps, schema.get("enum", (schema.get("const"),))))
     match schema.get("type"):
@@ -156,7 +160,7 @@ def allowed_values(schema: Mapping[str, Any]) -> str:
         case "null":
             return "null"
         case "array":
-            return f"a list, each of it {allowed_values(schema.get('items', {}))}"
+            return f"a list, each of it {describe_allowed_values(schema.get('items', {}))}"
         case _:
             return json.dumps({k: v for k, v in schema.items() if k not in _NOT_TYPE})
 
@@ -182,7 +186,7 @@ def _unknown(name: str, known: tuple[str, ...], of: str) -> Problem:
     meant = f"did you mean {close[0]!r}? Known" if close else "known"
     allowed = f"{meant}: {', '.join(known)}" if known else "it takes none: leave them out"
     return Problem(
-        pointer=f"/{_escaped(name)}",
+        pointer=f"/{_escape_key(name)}",
         code="unknown_parameter",
         message=f"{of} has no parameter {name[:80]!r}; {allowed}",
     )
@@ -200,12 +204,12 @@ def _place(keys: Iterable[str | int], content: Any) -> list[str]:
     return place
 
 
-def _shown(value: object) -> str:
+def _format_value(value: object) -> str:
     text = json.dumps(value, ensure_ascii=False)
     return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."
 
 
-def _escaped(key: str) -> str:
+def _escape_key(key: str) -> str:
     """Escapes a key for a JSON pointer."""
     return key.replace("~", "~0").replace("/", "~1")
 

@@ -116,7 +116,7 @@ class PluginTable(Generic[P]):
 def _entry_points() -> Mapping[str, EntryPoints]:
     """Returns the entry points of all installed packages by group."""
     # Reading them takes longer than all else that a table does, and a campaign makes ten tables.
-    return _entry_points_of(tuple((folder, _changed_at(folder)) for folder in sys.path))
+    return _entry_points_of(tuple((folder, _read_change_time(folder)) for folder in sys.path))
 
 
 @lru_cache(maxsize=1)
@@ -125,7 +125,7 @@ def _entry_points_of(_folders: tuple[tuple[str, int], ...]) -> Mapping[str, Entr
     return {group: found.select(group=group) for group in found.groups}
 
 
-def _changed_at(folder: str) -> int:
+def _read_change_time(folder: str) -> int:
     """Returns when a package was last installed in or removed from a folder, 0 if unknown."""
     try:
         return Path(folder).stat().st_mtime_ns

@@ -124,11 +124,11 @@ class _Ending:
             return
         self.broken = message
         # A broken part may also keep the server from shutting down.
-        self.within(_SHUTDOWN_S)
+        self.end_within(_SHUTDOWN_S)
         if self.server is not None:
             self.server.should_exit = True
 
-    def within(self, seconds: float) -> None:
+    def end_within(self, seconds: float) -> None:
         """Ends the process after ``seconds`` if it has not ended by then.
 
         Its workers and campaigns end with it; the next start takes over runs that were not handed
@@ -188,13 +188,13 @@ class _Server(uvicorn.Server):
             threading.Thread(target=self._drain, args=(sig, frame), name="drain").start()
             return
         self._service.stop_draining()
-        self._ending.within(_SECOND_SIGNAL_S)
+        self._ending.end_within(_SECOND_SIGNAL_S)
         self.config.timeout_graceful_shutdown = 1
         super().handle_exit(sig, frame)
 
     def _drain(self, sig: int, frame: FrameType | None) -> None:
         _log.info("draining", seconds=self._drain_s)
-        self._ending.within(self._drain_s + _SHUTDOWN_S)
+        self._ending.end_within(self._drain_s + _SHUTDOWN_S)
         try:
             self._service.drain(self._drain_s)
         finally:

@@ -44,7 +44,7 @@ class Remedy:
     line: str
 
 
-def missing_libraries() -> tuple[str, ...]:
+def find_missing_libraries() -> tuple[str, ...]:
     """Returns the libraries of :data:`PACKAGES` that the system's loader cannot load."""
     return tuple(name for name in PACKAGES if not _loads(name))
 
@@ -97,7 +97,7 @@ def explain(error: ImportError) -> str:
         error: The exception of the import.
     """
     found = f"libsumo cannot be loaded: {error}"
-    missing = missing_libraries()
+    missing = find_missing_libraries()
     if not missing:
         return f"{found}. None of the libraries that it needs of the system is missing; {_AGAIN}"
     line = remedy(missing, path=None, is_root=os.geteuid() == 0).line
@@ -106,10 +106,10 @@ def explain(error: ImportError) -> str:
 
 def main() -> int:
     """Ensures that libsumo can be loaded; returns the exit code."""
-    error = _import_error()
+    error = _find_import_error()
     if not error:
         return 0
-    missing = missing_libraries()
+    missing = find_missing_libraries()
     if not missing:
         print(f"libsumo cannot be loaded: {error}\n{_AGAIN}", file=sys.stderr)
         return 1
@@ -131,7 +131,7 @@ def main() -> int:
                 file=sys.stderr,
             )
             return 1
-    error = _import_error()
+    error = _find_import_error()
     if error:
         print(f"libsumo still cannot be loaded: {error}", file=sys.stderr)
     return 1 if error else 0
@@ -151,7 +151,7 @@ def _loads(library: str) -> bool:
     return True
 
 
-def _import_error() -> str:
+def _find_import_error() -> str:
     """Returns why a new process cannot import libsumo, "" if it can."""
     done = subprocess.run(
         [sys.executable, "-c", "import libsumo"],

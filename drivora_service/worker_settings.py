@@ -11,7 +11,7 @@ from drivora_service.execution.executor import Executor
 from drivora_service.execution.executor import Limits as RunLimits
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.oracles.laws.sources import law_sources
+from drivora_service.oracles.laws.sources import read_law_sources
 from drivora_service.settings import Settings
 from drivora_service.worker.setup import WorkerSetup
 
@@ -27,7 +27,7 @@ def worker_setup(settings: Settings) -> WorkerSetup:
         imported_networks=settings.imported_networks_dir,
         agents=settings.agents_folder,
         agent_deadline_s=settings.agent_deadline_s,
-        laws=law_sources(settings.laws_folder),
+        laws=read_law_sources(settings.laws_folder),
         confinement=_confinement(settings),
     )
 

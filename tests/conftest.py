@@ -16,7 +16,7 @@ from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.execution.fork_server import ENVIRONMENT
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.store.database import open_database
-from drivora_service.worker.integrity import judging_code
+from drivora_service.worker.integrity import snapshot_judging_code
 from tests.execution.ray_cluster import Cluster, ray_cluster
 from tests.forked_service import forked_service
 from tests.postgresql_server import PostgresqlServer, postgresql_server
@@ -114,7 +114,7 @@ def _fork_server() -> None:
 @pytest.fixture(autouse=True)
 def _own_snapshot() -> None:
     """Has what a test replaces in the package count as what is there."""
-    judging_code.cache_clear()
+    snapshot_judging_code.cache_clear()
 
 
 @pytest.fixture(scope="session")

@@ -11,13 +11,13 @@ import httpx
 import pytest
 
 from drivora_service.app import create_app
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 from drivora_service.errors import Conflict
 from drivora_service.settings import load_settings
 
 
 def test_a_data_folder_has_one_service(tmp_path: Path) -> None:
-    with running_service(tmp_path, workers=1) as url:
+    with run_service(tmp_path, workers=1) as url:
         announced = json.loads((tmp_path / "service.json").read_text())
         assert announced["url"] == url
         with pytest.raises(Conflict, match=str(announced["pid"])):

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivora_service.compilation import compiled, settled
+from drivora_service.compilation import compiled, specialize
 from drivora_service.geometry.array_shapes import FloatArray
 
 CALLED = """
@@ -88,14 +88,14 @@ def _added(values: FloatArray, more: float) -> float:
 
 
 def test_the_machine_code_of_a_kernel_is_called_directly_while_it_has_one_version() -> None:
-    assert settled(_added) is _added
+    assert specialize(_added) is _added
     values = np.array([1.0, 2.0, 3.0, 4.0])
     assert _added(values, 0.5) == 10.5
-    direct = settled(_added)
+    direct = specialize(_added)
     assert direct is not _added
     assert direct(values, 4.0) == 14.0
     assert _added(values[::2], 0.5) == 4.5
-    assert settled(_added) is _added
+    assert specialize(_added) is _added
     assert direct(values, 4.0) == 14.0
 
 

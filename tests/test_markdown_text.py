@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
-from drivora_service.markdown_text import Markdown, escaped, table
+from drivora_service.markdown_text import Markdown, escape_markdown, table
 
 
 class _Cells(HTMLParser):
@@ -49,7 +49,7 @@ def test_a_reader_of_markdown_finds_the_cells_as_they_were_meant(
 
 @given(plain)
 def test_a_reader_of_markdown_finds_a_line_as_it_was_meant(text: str) -> None:
-    read = MarkdownIt("commonmark").render(f"- {escaped(text)} x")
+    read = MarkdownIt("commonmark").render(f"- {escape_markdown(text)} x")
     assert unescape(read) == f"<ul>\n<li>{text} x</li>\n</ul>\n".replace("<li> ", "<li>")
 
 
@@ -59,8 +59,8 @@ def test_a_cell_that_is_markdown_stays_as_it_is() -> None:
 
 
 def test_line_breaks_of_a_text_do_not_end_its_line() -> None:
-    assert escaped("one\ntwo\r\n three") == "one two three"
+    assert escape_markdown("one\ntwo\r\n three") == "one two three"
 
 
 def test_names_stay_legible() -> None:
-    assert escaped("tee-town_0001 of _a_ | b") == "tee-town_0001 of \\_a\\_ \\| b"
+    assert escape_markdown("tee-town_0001 of _a_ | b") == "tee-town_0001 of \\_a\\_ \\| b"

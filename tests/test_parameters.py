@@ -13,7 +13,7 @@ from pydantic import Field
 
 from drivora_service.errors import SearchError
 from drivora_service.parameters import (
-    allowed_values,
+    describe_allowed_values,
     describe_parameters,
     parameter_problems,
     read_parameters,
@@ -113,7 +113,7 @@ def test_what_has_no_problems_is_read_and_the_rest_is_not(written: dict[str, Any
     ],
 )
 def test_what_is_allowed_is_said_in_words(schema: dict[str, Any], words: str) -> None:
-    assert allowed_values(schema) == words
+    assert describe_allowed_values(schema) == words
 
 
 def test_a_description_is_that_of_the_docstring() -> None:

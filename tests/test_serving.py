@@ -110,7 +110,7 @@ def hold_a_worker(url: str, data: Path) -> int:
         database = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
         try:
             with database.read() as transaction:
-                (owner,) = transaction.workers.living()
+                (owner,) = transaction.workers.living_owners()
         finally:
             database.close()
         # One that is still starting takes no run: what it was to get goes back at the first signal.

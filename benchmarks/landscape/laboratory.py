@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.search_scenes import Scene, catalogues, prepared
+from benchmarks.search_scenes import Scene, catalogues, prepare_scene
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.search.evaluation_judging import violations_of
 from drivora_service.geometry.array_shapes import FloatArray
@@ -60,7 +60,7 @@ class Laboratory:
             scene: The scene.
             folder: Where traces are written for the moment.
         """
-        search = prepared(scene)
+        search = prepare_scene(scene)
         (part,) = search.parts
         self._evaluator, self._candidates, self._folder = evaluator, part.candidates, folder
         self._oracles = search.oracles
@@ -94,14 +94,14 @@ class Laboratory:
             self._path(number).unlink()
             parent = parents[number] if parents else -1
             found.append(
-                (self._ran(np.array(prepared[number].values), report, trace, parent), trace)
+                (self._make_ran(np.array(prepared[number].values), report, trace, parent), trace)
             )
         return found
 
     def _path(self, number: int) -> Path:
         return self._folder / f"{number}.parquet"
 
-    def _ran(self, values: FloatArray, report: RunReport, trace: Trace, parent: int) -> Ran:
+    def _make_ran(self, values: FloatArray, report: RunReport, trace: Trace, parent: int) -> Ran:
         own = [one for one in violations_of(report, self._oracles) if one.at_fault]
         return Ran(
             values=values,

@@ -17,11 +17,11 @@ Measure = Callable[[RunView], float]
 
 
 def _of(feedback: Feedback, objective: str) -> Measure:
-    def measured(run: RunView) -> float:
+    def measure_objective(run: RunView) -> float:
         value = feedback.measure(run).objectives[objective]
         return math.inf if value is None else value
 
-    return measured
+    return measure_objective
 
 
 def braking_margin(run: RunView) -> float:

@@ -30,7 +30,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from benchmarks.scene_search.counting import Counts, count
-from benchmarks.scene_search.laws import count_ways, telling
+from benchmarks.scene_search.laws import choose_scenes, count_ways
 from benchmarks.scene_search.laws import read as read_laws
 from benchmarks.scene_search.laws import show as show_laws
 from benchmarks.scene_search.scenes import detour_scenes, failing_scenes, law_scenes
@@ -113,7 +113,7 @@ def in_the_range(scenes: Sequence[Scene], ledger: Ledger) -> list[Scene]:
 
 def of_laws(path: Path) -> list[Scene]:
     """Returns the scenes that tell most about violations of laws."""
-    names = [one.scene for one in telling(read_laws(path), LAW_SCENES)]
+    names = [one.scene for one in choose_scenes(read_laws(path), LAW_SCENES)]
     return [scene for scene in law_scenes() if scene.name in names]
 
 

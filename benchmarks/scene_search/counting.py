@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.search_scenes import Scene, prepared
+from benchmarks.search_scenes import Scene, prepare_scene
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.search.evaluation_judging import violations_of
 from drivora_service.campaigns.search.seed_turns import SearchPart
@@ -55,13 +55,13 @@ def count(evaluator: Evaluator, scene: Scene, draws: int, seed: int) -> Counts:
         draws: Number of draws; those that are no valid scenario, or not judged, do not count.
         seed: Seed of the draws.
     """
-    search = prepared(scene)
+    search = prepare_scene(scene)
     (part,) = search.parts
     random = np.random.default_rng(seed)
     values = part.candidates.genes.sample(random, draws)
     at_fault = avoidable = judged = 0
     seconds = 0.0
-    for report in reports(evaluator, part, list(values)):
+    for report in run_candidates(evaluator, part, list(values)):
         if report.status is not RunStatus.FINISHED:
             continue
         found = {accountability(one) for one in violations_of(report, search.oracles)}
@@ -74,7 +74,7 @@ def count(evaluator: Evaluator, scene: Scene, draws: int, seed: int) -> Counts:
     )
 
 
-def reports(
+def run_candidates(
     evaluator: Evaluator, part: SearchPart, values: Sequence[FloatArray]
 ) -> Iterator[RunReport]:
     """Runs candidates of a scene, and yields their reports as they come.

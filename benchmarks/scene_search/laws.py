@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.scene_search.counting import reports
-from benchmarks.search_scenes import Scene, prepared
+from benchmarks.scene_search.counting import run_candidates
+from benchmarks.search_scenes import Scene, prepare_scene
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.run_report import RunStatus
@@ -38,7 +38,7 @@ class ShownWays:
     judged: int
     ways: Mapping[str, int]
 
-    def expected(self, draws: int) -> float:
+    def expected_ways(self, draws: int) -> float:
         """Returns how many ways some of the draws are expected to show, by their shares."""
         return sum(1.0 - (1.0 - n / self.judged) ** draws for n in self.ways.values())
 
@@ -60,14 +60,14 @@ def count_ways(evaluator: Evaluator, scene: Scene, draws: int, seed: int) -> Sho
     Raises:
         DrivoraError: The scene has no such space.
     """
-    search = prepared(scene)
+    search = prepare_scene(scene)
     (part,) = search.parts
     values = part.candidates.genes.sample(np.random.default_rng(seed), draws)
     judged, ways = 0, Counter[str]()
-    for report in reports(evaluator, part, list(values)):
+    for report in run_candidates(evaluator, part, list(values)):
         if report.status is RunStatus.FINISHED:
             judged += 1
-            ways.update(_shown(report.verdicts))
+            ways.update(_find_ways(report.verdicts))
     return ShownWays(scene=scene.name, agent=scene.driver, judged=judged, ways=dict(ways))
 
 
@@ -77,15 +77,15 @@ def read(path: Path) -> list[ShownWays]:
     return [ShownWays(**json.loads(line)) for line in lines]
 
 
-def ranked(counted: Sequence[ShownWays]) -> list[ShownWays]:
+def rank_scenes(counted: Sequence[ShownWays]) -> list[ShownWays]:
     """Returns the scenes with most rare ways first; of equal ones, those with more ways."""
     return sorted(counted, key=lambda one: (-one.rare, -len(one.ways), one.scene))
 
 
-def telling(counted: Sequence[ShownWays], number: int) -> list[ShownWays]:
+def choose_scenes(counted: Sequence[ShownWays], number: int) -> list[ShownWays]:
     """Returns the first of the ranked scenes, at most one of a road network."""
     found: dict[str, ShownWays] = {}
-    for one in ranked(counted):
+    for one in rank_scenes(counted):
         if one.rare:
             found.setdefault(one.scene.split()[0], one)
     return list(found.values())[:number]
@@ -95,15 +95,15 @@ def show(counted: Sequence[ShownWays], draws: int) -> None:
     """Prints the scenes as a table in Markdown, ranked."""
     print("| scene | ADS | draws | ways shown | by at most two draws | expected in a campaign |")
     print("|---|---|---|---|---|---|")
-    for one in ranked(counted):
+    for one in rank_scenes(counted):
         if one.ways:
             print(
                 f"| {one.scene} | `{one.agent}` | {one.judged} | {len(one.ways)} | {one.rare} "
-                f"| {one.expected(draws):.1f} of {draws} |"
+                f"| {one.expected_ways(draws):.1f} of {draws} |"
             )
 
 
-def _shown(verdicts: Sequence[Verdict]) -> set[str]:
+def _find_ways(verdicts: Sequence[Verdict]) -> set[str]:
     return {
         f"{verdict.oracle}: {way}"
         for verdict in verdicts

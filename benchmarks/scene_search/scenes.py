@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from benchmarks.reference_scene import NoReferenceError, with_driven_paths
+from benchmarks.reference_scene import NoReferenceError, add_driven_paths
 from benchmarks.search_scenes import Scene, catalogues
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.scenario.documents import document_text
@@ -121,7 +121,7 @@ def detour_scenes() -> Iterator[Scene]:
     for name, scenario in _seed_scenarios(DETOUR_LENGTHS_M):
         for agent in DETOURING_AGENTS:
             try:
-                told = with_driven_paths(scenario, agent)
+                told = add_driven_paths(scenario, agent)
             except NoReferenceError:
                 continue
             for space_name, space in SPACES_OF_DETOURS.items():

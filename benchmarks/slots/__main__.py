@@ -26,7 +26,7 @@ from pathlib import Path
 
 from benchmarks.scenes import usual_scenes
 from benchmarks.slots import campaign, service
-from benchmarks.slots.executors import STEADY_S, cluster_executor, local_executor, real_report
+from benchmarks.slots.executors import STEADY_S, cluster_executor, local_executor, make_real_report
 from benchmarks.slots.model import cluster_table, draw, fit, table
 from benchmarks.slots.service import Point
 from benchmarks.slots.simulated_executor import SimulatedExecutor
@@ -39,11 +39,11 @@ from drivora_service.worker.setup import WorkerSetup
 _SCENES = 200
 
 
-def points(options: argparse.Namespace) -> Iterator[Point]:
+def measure_points(options: argparse.Namespace) -> Iterator[Point]:
     """Measures."""
     documents = [canonical_json(scene) for scene in usual_scenes(_SCENES, seed=1)]
     run_s: float = options.run_ms / 1000.0
-    report = real_report(documents[0])
+    report = make_real_report(documents[0])
     if options.cluster:
         sleep = Sleep(run_s=run_s, report=report)
         for slots in options.cluster:
@@ -51,7 +51,7 @@ def points(options: argparse.Namespace) -> Iterator[Point]:
                 tempfile.TemporaryDirectory() as folder,
                 cluster_executor(slots, options.nodes, sleep, folder) as executor,
             ):
-                yield _point(executor, documents, Path(folder), "cluster", options)
+                yield _measure_point(executor, documents, Path(folder), "cluster", options)
         return
     for slots in options.real:
         setup = WorkerSetup(shipped_networks=shipped_networks())
@@ -59,22 +59,22 @@ def points(options: argparse.Namespace) -> Iterator[Point]:
             tempfile.TemporaryDirectory() as folder,
             local_executor(slots, setup, folder) as executor,
         ):
-            yield _point(executor, documents, Path(folder), "real", options)
+            yield _measure_point(executor, documents, Path(folder), "real", options)
     for slots in options.sleeping:
         sleep = Sleep(run_s=run_s, report=report)
         with (
             tempfile.TemporaryDirectory() as folder,
             local_executor(slots, sleep, folder) as executor,
         ):
-            yield _point(executor, documents, Path(folder), "sleeping", options)
+            yield _measure_point(executor, documents, Path(folder), "sleeping", options)
     for slots in options.simulated:
         simulated = SimulatedExecutor(slots=slots, run_s=run_s, report=report)
         with tempfile.TemporaryDirectory() as folder:
-            yield _point(simulated, documents, Path(folder), "simulated", options)
+            yield _measure_point(simulated, documents, Path(folder), "simulated", options)
         simulated.close()
 
 
-def _point(
+def _measure_point(
     executor: Executor,
     documents: Sequence[str],
     folder: Path,
@@ -106,7 +106,7 @@ def main() -> None:
     parser.add_argument("--chart", type=Path, help="files for the curve, without their ending")
     options = parser.parse_args()
     measured = []
-    for point in points(options):
+    for point in measure_points(options):
         measured.append(point)
         print(point, flush=True)
     model = fit(measured, options.run_ms / 1000.0)

@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from benchmarks.slots.service import Point, Recording, point_of
-from benchmarks.slots.spent import Spent, spent
+from benchmarks.slots.spent import Spent, measure_spent
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_documents import MAX_LOOKAHEAD
 from drivora_service.campaigns.document.campaign_reading import read_campaign
@@ -58,7 +58,7 @@ def measure(
         if not due and recording.is_warm:
             due.extend((now + warm_s, now + warm_s + seconds))
         if len(marks) < len(due) and now >= due[len(marks)]:
-            marks.append((datetime.now(UTC), spent(executor)))
+            marks.append((datetime.now(UTC), measure_spent(executor)))
         return CampaignRequest.PAUSE if len(marks) > 1 else CampaignRequest.NONE
 
     @contextmanager

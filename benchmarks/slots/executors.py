@@ -58,7 +58,7 @@ def cluster_executor(slots: int, nodes: int, sleep: Sleep, folder: str) -> Itera
         yield executor
 
 
-def real_report(document: str) -> RunReport:
+def make_real_report(document: str) -> RunReport:
     """Returns the report of a real run."""
     setup = WorkerSetup(shipped_networks=shipped_networks())
     with tempfile.TemporaryDirectory() as folder, local_executor(1, setup, folder) as executor:

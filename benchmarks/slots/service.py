@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from benchmarks.slots.spent import Spent, spent
+from benchmarks.slots.spent import Spent, measure_spent
 from drivora_service.execution.collection import settle_garbage_collector
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.executor import Executor
@@ -133,7 +133,7 @@ class Recording:
     def wait(self, timeout: float | None = None, *, count: int = 1) -> tuple[AttemptEnd, ...]:
         """Returns the attempts that have ended since the last call."""
         ends = self._executor.wait(timeout, count=count)
-        self.ends += map(_seen, ends)
+        self.ends += map(_make_seen, ends)
         return ends
 
     def wake(self) -> None:
@@ -176,14 +176,14 @@ def measure(
     count = round(1.5 * (seconds + warm_s + 1.0) * executor.capacity / least_s)
     _queue(database, documents, count, keeps_trace=kind == "real")
     settle_garbage_collector()
-    with _dispatching(database, recording, folder):
+    with _run_dispatcher(database, recording, folder):
         _wait_until(lambda: recording.is_warm)
         time.sleep(warm_s)
-        first, before = datetime.now(UTC), spent(executor)
+        first, before = datetime.now(UTC), measure_spent(executor)
         time.sleep(seconds)
         # A busy machine takes longer for a run.
         _wait_until(lambda: any(end.ended >= first for end in recording.ends))
-        used, last = spent(executor).since(before), datetime.now(UTC)
+        used, last = measure_spent(executor).since(before), datetime.now(UTC)
         assert len(recording.ends) < count, f"all {count} queued runs ended too early"
         # Ends are handed over some times a second.
         time.sleep(1.0)
@@ -236,7 +236,7 @@ def _wait_until(holds: Callable[[], bool]) -> None:
         time.sleep(0.1)
 
 
-def _seen(end: AttemptEnd) -> Seen:
+def _make_seen(end: AttemptEnd) -> Seen:
     report = end.report
     return Seen(
         worker=end.worker,
@@ -268,7 +268,7 @@ def _queue(database: Database, documents: Sequence[str], count: int, *, keeps_tr
 
 
 @contextmanager
-def _dispatching(database: Database, executor: Executor, folder: Path) -> Iterator[None]:
+def _run_dispatcher(database: Database, executor: Executor, folder: Path) -> Iterator[None]:
     traces = TraceFolder(folder / "traces")
     infrastructure = Infrastructure(
         {"database": database.probe, "traces": folder_probe(traces.root)}

@@ -14,7 +14,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 
-from benchmarks.slots.sleeping_worker import unchanged
+from benchmarks.slots.sleeping_worker import make_seed_candidate
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import cancelled_report
 from drivora_service.runs.report_encoding import report_to_message
@@ -207,7 +207,7 @@ class SimulatedExecutor:
         source = one.spec.candidate
         return AttemptEnd(
             report=report_of(Frame(Kind.REPORT, body), run_id),
-            candidate=None if source is None else unchanged(source),
+            candidate=None if source is None else make_seed_candidate(source),
             worker=f"slot-{one.slot}",
             started=self._began + timedelta(seconds=one.begun),
             ended=self._began + timedelta(seconds=one.until),

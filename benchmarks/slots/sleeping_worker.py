@@ -41,9 +41,9 @@ def perform(spec: RunSpec, setup: Sleep, _board: ProgressBoard) -> RunReport:
 
 def prepare(source: CandidateSource, _setup: Sleep) -> Candidate:
     """Returns the seed scenario: workers that wait leave the cores to what is measured."""
-    return unchanged(source)
+    return make_seed_candidate(source)
 
 
-def unchanged(source: CandidateSource) -> Candidate:
+def make_seed_candidate(source: CandidateSource) -> Candidate:
     """Returns the seed scenario as the candidate of any genes."""
     return Candidate(values=source.values, document=source.space.seed)

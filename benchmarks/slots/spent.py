@@ -44,15 +44,15 @@ class Spent:
         )
 
 
-def spent(executor: Executor) -> Spent:
+def measure_spent(executor: Executor) -> Spent:
     """Returns the processor time until now of the processes of an executor."""
     if isinstance(executor, RayExecutor):
-        return _spent_on_cluster()
+        return _measure_spent_on_cluster()
     simulated_s = executor.own_s if isinstance(executor, SimulatedExecutor) else 0.0
     return Spent(own_s=time.process_time() - simulated_s)
 
 
-def _spent_on_cluster() -> Spent:
+def _measure_spent_on_cluster() -> Spent:
     """Returns the processor time of the processes of a cluster that this process has started."""
     drivers, nodes, others = [], [], []
     for child in psutil.Process().children():

@@ -18,7 +18,7 @@ from typing import Any
 import yaml
 
 from benchmarks.smoke_suite.panel import PANEL, Driver
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.scenario.documents import document_text, parse_document
 from drivora_service.store.engine.chunks import batched
@@ -105,7 +105,7 @@ def search(work: Path) -> tuple[str, ...]:
         if not identity.is_file():
             path = work / f"study {one.name}.yaml"
             path.write_text(yaml.safe_dump(_study(work, one), sort_keys=False))
-            identity.write_text(drivora("study", "run", str(path), "--json", work=work))
+            identity.write_text(run_drivora("study", "run", str(path), "--json", work=work))
         content = json.loads(identity.read_text())
         found += [campaign["id"] for campaign in content["campaign_list"]]
     return tuple(found)
@@ -117,7 +117,7 @@ def _study(work: Path, one: Search) -> dict[str, Any]:
         towns = sorted(path.name for path in shipped_networks().iterdir() if path.is_dir())
         least, most = one.seeds.lengths_m
         for seed, town in enumerate(towns, start=one.seeds.first_seed):
-            drivora(
+            run_drivora(
                 *("seeds", "generate", "--town", town, "--num", str(one.seeds.scenes)),
                 *("--min-length", str(least), "--max-length", str(most), "--seed", str(seed)),
                 *("--out", str(seeds)),
@@ -138,7 +138,7 @@ def export(work: Path, campaigns: Sequence[str]) -> None:
     """Adds a failure of each group of every campaign to the pool."""
     pool = work / "pool"
     if not pool.is_dir():
-        drivora(
+        run_drivora(
             *("campaign", "export", *campaigns, "--suite", str(pool), "--each", "group"),
             *("--counts", "any"),
             work=work,
@@ -151,7 +151,7 @@ def drive(work: Path, suite: str) -> None:
         path = results_path(work, suite, driver)
         path.parent.mkdir(exist_ok=True)
         if not path.is_file():
-            drivora(
+            run_drivora(
                 *("suite", "run", str(work / suite), "--agent", driver.agent),
                 *(f"--agent-parameter={name}={value}" for name, value in driver.parameters),
                 *("--results", str(path)),
@@ -164,13 +164,15 @@ def make_baseline(work: Path, suite: Path) -> None:
     """Writes what the ADS that drives the scenarios of a suite fails in as its baseline."""
     baseline, results = suite / "idm.baseline.json", work / "idm.json"
     baseline.unlink(missing_ok=True)
-    drivora(
+    run_drivora(
         *("suite", "run", str(suite), "--agent", "idm", "--repetitions", "10"),
         *("--results", str(results)),
         work=work,
         allowed=(0, 1),
     )
-    drivora("suite", "baseline", str(suite), str(results), "--baseline", str(baseline), work=work)
+    run_drivora(
+        "suite", "baseline", str(suite), str(results), "--baseline", str(baseline), work=work
+    )
 
 
 def results_path(work: Path, suite: str, driver: Driver) -> Path:
@@ -191,7 +193,7 @@ def minimize(work: Path, wanted: Mapping[str, Driver], *, budget: int) -> None:
     (work / "small" / "suite.yaml").write_text("name: smoke\nscenarios: [scenarios/*.json]\n")
     left = [name for name in wanted if not (small / f"{name}.json").is_file()]
     runs = {driver: _run_ids(work, driver) for driver in PANEL}
-    with connected("", work / "data", works=True) as client:
+    with open_client("", work / "data", works=True) as client:
         for some in batched(left, _AT_ONCE):
             started = {
                 name: client.minimize(runs[wanted[name]][name], budget=budget).id for name in some
@@ -211,7 +213,7 @@ def _run_ids(work: Path, driver: Driver) -> dict[str, str]:
     return {run.scenario: run.run_id for run in results.runs if run.repetition == 0}
 
 
-def drivora(*arguments: str, work: Path, allowed: Collection[int] = (0,)) -> str:
+def run_drivora(*arguments: str, work: Path, allowed: Collection[int] = (0,)) -> str:
     """Runs a command of Drivora and returns what it printed.
 
     Raises:

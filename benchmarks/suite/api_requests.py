@@ -16,7 +16,7 @@ from benchmarks.client_load import PREFIX, Load, start
 from benchmarks.suite.measurement import Measurement, Plan, Round, Sample, sample
 from benchmarks.suite.result import Better, ResultError
 from drivora_service.api.documentation.recorded_examples import SCENARIO
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 
 _CLIENTS = 8
 _BATCH = 100
@@ -25,7 +25,7 @@ _BATCH = 100
 @contextmanager
 def _open(plan: Plan) -> Iterator[Round]:
     with (
-        running_service(plan.folder / "data", workers=1) as url,
+        run_service(plan.folder / "data", workers=1) as url,
         ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool,
         httpx.Client(base_url=url, timeout=60.0) as client,
     ):

@@ -100,7 +100,7 @@ def _campaign(
     folder.mkdir()
     marks: list[tuple[float, float]] = []
 
-    def told(_told: Told) -> None:
+    def mark_time(_told: Told) -> None:
         marks.append((time.process_time(), time.monotonic()))
 
     @contextmanager
@@ -127,7 +127,7 @@ def _campaign(
             CampaignFolder(folder / "campaigns", campaign.id),
             catalogues=catalogues,
             evaluator=evaluator,
-            watcher=Watcher(on_told=told),
+            watcher=Watcher(on_told=mark_time),
         )
     finally:
         database.close()

@@ -45,7 +45,7 @@ class Answer:
         return self.simulated / self.needed
 
 
-def environment(requirements: Path, cache: Path, *, install: bool) -> Path:
+def prepare_environment(requirements: Path, cache: Path, *, install: bool) -> Path:
     """Returns the interpreter of an environment with pinned packages; makes it if there is none.
 
     Args:
@@ -93,7 +93,7 @@ class Peer:
         """
         self._process, self._log = process, log
 
-    def round(self) -> Answer:
+    def run_round(self) -> Answer:
         """Returns the answer to a round.
 
         Raises:
@@ -118,7 +118,7 @@ class Peer:
 
 
 @contextmanager
-def peer(python: Path, script: Path, arguments: Sequence[str], log: Path) -> Iterator[Peer]:
+def start_peer(python: Path, script: Path, arguments: Sequence[str], log: Path) -> Iterator[Peer]:
     """Starts a peer; ends it afterwards."""
     with (
         log.open("w") as errors,

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from benchmarks.run_cost import STEP, record
 from benchmarks.scenes import crowd_scene
-from benchmarks.suite.environments import Peer, PeerError, environment, peer
+from benchmarks.suite.environments import Peer, PeerError, prepare_environment, start_peer
 from benchmarks.suite.measurement import Measurement, Plan, Round, Sample, sample
 from benchmarks.suite.result import Better
 from benchmarks.suite.step_cost import TOWN
@@ -56,7 +56,7 @@ _INSTALLED = (
 )
 
 
-def _tape_file(scene: Scenario, network: RoadNetwork, folder: Path) -> Path:
+def _write_tape(scene: Scenario, network: RoadNetwork, folder: Path) -> Path:
     """Writes the libsumo calls of a run; returns the file."""
     world = SumoWorld(network.path, step_length=STEP, seed=0, slippery=False)
     content = {
@@ -74,12 +74,12 @@ def _tape_file(scene: Scenario, network: RoadNetwork, folder: Path) -> Path:
     return path
 
 
-def _installed(plan: Plan) -> Iterator[tuple[_Simulator, Path]]:
+def _install_simulators(plan: Plan) -> Iterator[tuple[_Simulator, Path]]:
     """Yields the simulators that can be used, with the interpreters of their environments."""
     for simulator in _INSTALLED:
         requirements = _SCRIPTS / f"{simulator.stem}.txt"
         try:
-            yield simulator, environment(requirements, plan.cache, install=not plan.short)
+            yield simulator, prepare_environment(requirements, plan.cache, install=not plan.short)
         except PeerError as error:
             plan.remarks.append(f"{simulator.name}: {error}.")
 
@@ -93,7 +93,7 @@ def _open(plan: Plan) -> Iterator[Round]:
         vehicles: crowd_scene(network, npcs=vehicles, seconds=seconds)
         for vehicles in ((10,) if plan.short else (10, 50))
     }
-    interpreters = list(_installed(plan))
+    interpreters = list(_install_simulators(plan))
     with ExitStack() as stack:
         peers: list[tuple[int, str, Peer]] = []
 
@@ -102,9 +102,9 @@ def _open(plan: Plan) -> Iterator[Round]:
         ) -> None:
             log = plan.folder / f"{stem}-{len(peers)}-{vehicles}.log"
             script = _SCRIPTS / f"{stem}_peer.py"
-            one = stack.enter_context(peer(python, script, arguments, log))
+            one = stack.enter_context(start_peer(python, script, arguments, log))
             try:
-                one.round()
+                one.run_round()
             except PeerError as error:
                 plan.remarks.append(f"{name}, {vehicles} vehicles: {error}.")
             else:
@@ -118,7 +118,7 @@ def _open(plan: Plan) -> Iterator[Round]:
             if find_spec("sumo") is None or find_spec("traci") is None:
                 plan.remarks.append(f"{_TRACI}: eclipse-sumo and traci are not installed.")
             else:
-                tape = _tape_file(scene, network, plan.folder)
+                tape = _write_tape(scene, network, plan.folder)
                 start(vehicles, _TRACI, Path(sys.executable), "traci", (str(tape),))
 
         def once() -> Iterator[Sample]:
@@ -132,7 +132,7 @@ def _open(plan: Plan) -> Iterator[Round]:
                 yield sample(case, "Drivora", ours, "x real time", Better.HIGHER)
                 for number, name, one in peers:
                     if number == vehicles:
-                        answer = one.round()
+                        answer = one.run_round()
                         theirs = answer.times_real
                         with_them = (
                             name

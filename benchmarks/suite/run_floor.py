@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
-from benchmarks.run_cost import RUN_PARTS, Parts, Tape, floor, record, take_apart
+from benchmarks.run_cost import RUN_PARTS, Parts, Tape, record, replay_tape, take_apart
 from benchmarks.scenes import crowd_scene, town_scene
 from benchmarks.suite.measurement import Measurement, Plan, Round, Sample, sample
 from benchmarks.suite.step_cost import TOWN
@@ -84,7 +84,7 @@ def _open(plan: Plan) -> Iterator[Round]:
             with parts.of("run"):
                 report = perform(RunSpec(run_id="cost", document=case.document), setup)
             assert report.status is RunStatus.FINISHED
-            bare = floor(case.tape, case.network.path)
+            bare = replay_tape(case.tape, case.network.path)
             take_apart(case.document, case.network, parts, trace)
             run = parts.median_ms("run")
             yield sample(case.name, "run / floor", run / (1e3 * bare))

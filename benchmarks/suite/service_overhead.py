@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from benchmarks.scenes import usual_scenes
-from benchmarks.slots.executors import STEADY_S, local_executor, real_report
+from benchmarks.slots.executors import STEADY_S, local_executor, make_real_report
 from benchmarks.slots.service import Point, measure
 from benchmarks.slots.simulated_executor import SimulatedExecutor
 from benchmarks.suite.measurement import Measurement, Plan, Round, Sample, sample
@@ -29,7 +29,7 @@ def _samples(case: str, point: Point) -> Iterator[Sample]:
 @contextmanager
 def _open(plan: Plan) -> Iterator[Round]:
     documents = [canonical_json(scene) for scene in usual_scenes(50, seed=1)]
-    report = real_report(documents[0])
+    report = make_real_report(documents[0])
     seconds = 4.0 if plan.short else 10.0
     setup = WorkerSetup(shipped_networks=shipped_networks())
 

@@ -66,13 +66,13 @@ def _others(situation: Situation) -> FloatArray:
     near = sorted(
         situation.others, key=lambda one: (math.hypot(one.x - ego.x, one.y - ego.y), one.id)
     )
-    seen = [_seen(ego, one) for one in near[:_NEAREST]]
+    seen = [_encode_actor(ego, one) for one in near[:_NEAREST]]
     values: FloatArray = np.zeros(6 * _NEAREST)
     values[: 6 * len(seen)] = list(chain.from_iterable(seen))
     return values
 
 
-def _seen(ego: ActorState, one: ActorState) -> tuple[float, ...]:
+def _encode_actor(ego: ActorState, one: ActorState) -> tuple[float, ...]:
     cos, sin = math.cos(ego.yaw), math.sin(ego.yaw)
     dx, dy = one.x - ego.x, one.y - ego.y
     # Actors are seen to move where they head.

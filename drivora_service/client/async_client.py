@@ -22,9 +22,9 @@ from drivora_service.client.connecting import (
     connection,
     ignore_progress,
     ignore_retry,
-    opened_body,
+    open_body,
+    open_replacement,
     timeout_of,
-    written_whole,
 )
 from drivora_service.client.flows import (
     Emit,
@@ -36,17 +36,17 @@ from drivora_service.client.flows import (
     Request,
     Sleep,
     Step,
-    asking,
-    listing_items,
+    list_items,
+    perform_call,
 )
 from drivora_service.client.following import (
-    batch_runs,
-    ended_minimization,
-    expecting_workers,
-    followed_campaign,
-    followed_study,
+    check_workers,
+    watch_batch,
+    watch_campaign,
+    watch_minimization,
+    watch_study,
 )
-from drivora_service.client.listening import Event, listened
+from drivora_service.client.listening import Event, receive_events
 from drivora_service.client.operations import AwaitedOperations
 from drivora_service.client.replies import Reply
 from drivora_service.client.streams import AsyncStream
@@ -127,15 +127,15 @@ class AsyncClient(AwaitedOperations):
 
     async def ask(self, call: Call[T]) -> T:
         """Makes a call and returns its answer."""
-        return (await self._result(asking(call, self._terms))).value
+        return (await self._result(perform_call(call, self._terms))).value
 
     def items(self, listing: Listing[T]) -> AsyncIterator[T]:
         """Returns the items of a list; a page is asked for when its first item is wanted."""
-        return self._emitted(listing_items(listing, self._terms))
+        return self._emit_items(list_items(listing, self._terms))
 
     def listen(self, call: Call[bytes]) -> AsyncIterator[Event]:
         """Returns the events of a call as they are told; the call is made when one is wanted."""
-        return self._emitted(listened(call, self._terms))
+        return self._emit_items(receive_events(call, self._terms))
 
     async def save(self, call: Call[bytes], path: Path) -> None:
         """Makes a call and writes its answer to a file as it comes; the file is whole or absent.
@@ -143,7 +143,7 @@ class AsyncClient(AwaitedOperations):
         Raises:
             StoreError: The file cannot be written.
         """
-        await self._result(asking(call, self._terms, target=path))
+        await self._result(perform_call(call, self._terms, target=path))
 
     async def expect_workers(self) -> None:
         """Makes sure that the service can begin runs.
@@ -151,7 +151,7 @@ class AsyncClient(AwaitedOperations):
         Raises:
             ServiceError: It cannot, or did not answer.
         """
-        await self._result(expecting_workers(self._terms))
+        await self._result(check_workers(self._terms))
 
     def wait_for_batch(
         self, batch_id: str, *, on_progress: Callable[[Batch], None] = ignore_progress
@@ -165,7 +165,7 @@ class AsyncClient(AwaitedOperations):
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.
         """
-        return self._emitted(batch_runs(batch_id, self._terms, on_progress))
+        return self._emit_items(watch_batch(batch_id, self._terms, on_progress))
 
     async def follow_campaign(
         self, campaign_id: str, *, on_progress: Callable[[Campaign], None] = ignore_progress
@@ -179,7 +179,7 @@ class AsyncClient(AwaitedOperations):
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.
         """
-        return await self._result(followed_campaign(campaign_id, self._terms, on_progress))
+        return await self._result(watch_campaign(campaign_id, self._terms, on_progress))
 
     async def follow_study(
         self, study_id: str, *, on_progress: Callable[[Study], None] = ignore_progress
@@ -193,7 +193,7 @@ class AsyncClient(AwaitedOperations):
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.
         """
-        return await self._result(followed_study(study_id, self._terms, on_progress))
+        return await self._result(watch_study(study_id, self._terms, on_progress))
 
     async def wait_for_minimization(
         self,
@@ -210,7 +210,7 @@ class AsyncClient(AwaitedOperations):
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.
         """
-        return await self._result(ended_minimization(minimization_id, self._terms, on_progress))
+        return await self._result(watch_minimization(minimization_id, self._terms, on_progress))
 
     async def _result(self, flow: Flow[T]) -> T:
         outcome: Outcome = None
@@ -221,9 +221,9 @@ class AsyncClient(AwaitedOperations):
                 except StopIteration as end:
                     result: T = end.value
                     return result
-                outcome = await self._performed(step, stream)
+                outcome = await self._perform_step(step, stream)
 
-    async def _emitted(self, flow: Items[T]) -> AsyncIterator[T]:
+    async def _emit_items(self, flow: Items[T]) -> AsyncIterator[T]:
         outcome: Outcome = None
         with contextlib.closing(flow):
             async with AsyncStream(self._http) as stream:
@@ -236,9 +236,9 @@ class AsyncClient(AwaitedOperations):
                         yield step.value
                         outcome = None
                     else:
-                        outcome = await self._performed(step, stream)
+                        outcome = await self._perform_step(step, stream)
 
-    async def _performed(self, step: Step, stream: AsyncStream) -> Outcome:
+    async def _perform_step(self, step: Step, stream: AsyncStream) -> Outcome:
         match step:
             case Sleep():
                 await asyncio.sleep(step.seconds)
@@ -262,7 +262,7 @@ class AsyncClient(AwaitedOperations):
         if self._http.is_closed:
             raise ServiceError(CLOSED)
         call = request.call
-        with opened_body(call) as body:
+        with open_body(call) as body:
             sent, headers = (body, {}) if isinstance(body, bytes | None) else _parts(body)
             async with self._http.stream(
                 call.method,
@@ -276,7 +276,7 @@ class AsyncClient(AwaitedOperations):
                 if request.target is None or not response.is_success:
                     content = await response.aread()
                 else:
-                    with written_whole(request.target) as file:
+                    with open_replacement(request.target) as file:
                         async for part in response.aiter_bytes():
                             await anyio.to_thread.run_sync(file.write, part)
                 return Reply(status=response.status_code, headers=response.headers, content=content)

@@ -164,7 +164,7 @@ def post(
     )
 
 
-def listing(
+def make_listing(
     template: str, item: type[T], limit: int | None, *, query: Query | None = None, **places: str
 ) -> Listing[T]:
     """Returns a list of at most ``limit`` items; ``None``: all."""

@@ -20,9 +20,9 @@ from drivora_service.client.connecting import (
     connection,
     ignore_progress,
     ignore_retry,
-    opened_body,
+    open_body,
+    open_replacement,
     timeout_of,
-    written_whole,
 )
 from drivora_service.client.flows import (
     Emit,
@@ -34,17 +34,17 @@ from drivora_service.client.flows import (
     Request,
     Sleep,
     Step,
-    asking,
-    listing_items,
+    list_items,
+    perform_call,
 )
 from drivora_service.client.following import (
-    batch_runs,
-    ended_minimization,
-    expecting_workers,
-    followed_campaign,
-    followed_study,
+    check_workers,
+    watch_batch,
+    watch_campaign,
+    watch_minimization,
+    watch_study,
 )
-from drivora_service.client.listening import Event, listened
+from drivora_service.client.listening import Event, receive_events
 from drivora_service.client.operations import BlockingOperations
 from drivora_service.client.replies import Reply
 from drivora_service.client.streams import Stream
@@ -125,15 +125,15 @@ class Client(BlockingOperations):
 
     def ask(self, call: Call[T]) -> T:
         """Makes a call and returns its answer."""
-        return self._result(asking(call, self._terms)).value
+        return self._result(perform_call(call, self._terms)).value
 
     def items(self, listing: Listing[T]) -> Iterator[T]:
         """Returns the items of a list; a page is asked for when its first item is wanted."""
-        return self._emitted(listing_items(listing, self._terms))
+        return self._emit_items(list_items(listing, self._terms))
 
     def listen(self, call: Call[bytes]) -> Iterator[Event]:
         """Returns the events of a call as they are told; the call is made when one is wanted."""
-        return self._emitted(listened(call, self._terms))
+        return self._emit_items(receive_events(call, self._terms))
 
     def save(self, call: Call[bytes], path: Path) -> None:
         """Makes a call and writes its answer to a file as it comes; the file is whole or absent.
@@ -141,7 +141,7 @@ class Client(BlockingOperations):
         Raises:
             StoreError: The file cannot be written.
         """
-        self._result(asking(call, self._terms, target=path))
+        self._result(perform_call(call, self._terms, target=path))
 
     def expect_workers(self) -> None:
         """Makes sure that the service can begin runs.
@@ -149,7 +149,7 @@ class Client(BlockingOperations):
         Raises:
             ServiceError: It cannot, or did not answer.
         """
-        self._result(expecting_workers(self._terms))
+        self._result(check_workers(self._terms))
 
     def wait_for_batch(
         self, batch_id: str, *, on_progress: Callable[[Batch], None] = ignore_progress
@@ -163,7 +163,7 @@ class Client(BlockingOperations):
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.
         """
-        return self._emitted(batch_runs(batch_id, self._terms, on_progress))
+        return self._emit_items(watch_batch(batch_id, self._terms, on_progress))
 
     def follow_campaign(
         self, campaign_id: str, *, on_progress: Callable[[Campaign], None] = ignore_progress
@@ -177,7 +177,7 @@ class Client(BlockingOperations):
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.
         """
-        return self._result(followed_campaign(campaign_id, self._terms, on_progress))
+        return self._result(watch_campaign(campaign_id, self._terms, on_progress))
 
     def follow_study(
         self, study_id: str, *, on_progress: Callable[[Study], None] = ignore_progress
@@ -191,7 +191,7 @@ class Client(BlockingOperations):
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.
         """
-        return self._result(followed_study(study_id, self._terms, on_progress))
+        return self._result(watch_study(study_id, self._terms, on_progress))
 
     def wait_for_minimization(
         self,
@@ -208,7 +208,7 @@ class Client(BlockingOperations):
         Raises:
             ServiceError: The service refused, did not answer, or cannot begin runs.
         """
-        return self._result(ended_minimization(minimization_id, self._terms, on_progress))
+        return self._result(watch_minimization(minimization_id, self._terms, on_progress))
 
     def _result(self, flow: Flow[T]) -> T:
         outcome: Outcome = None
@@ -219,9 +219,9 @@ class Client(BlockingOperations):
                 except StopIteration as end:
                     result: T = end.value
                     return result
-                outcome = self._performed(step, stream)
+                outcome = self._perform_step(step, stream)
 
-    def _emitted(self, flow: Items[T]) -> Iterator[T]:
+    def _emit_items(self, flow: Items[T]) -> Iterator[T]:
         outcome: Outcome = None
         with contextlib.closing(flow), Stream(self._http) as stream:
             while True:
@@ -233,9 +233,9 @@ class Client(BlockingOperations):
                     yield step.value
                     outcome = None
                 else:
-                    outcome = self._performed(step, stream)
+                    outcome = self._perform_step(step, stream)
 
-    def _performed(self, step: Step, stream: Stream) -> Outcome:
+    def _perform_step(self, step: Step, stream: Stream) -> Outcome:
         match step:
             case Sleep():
                 time.sleep(step.seconds)
@@ -260,7 +260,7 @@ class Client(BlockingOperations):
             raise ServiceError(CLOSED)
         call = request.call
         with (
-            opened_body(call) as body,
+            open_body(call) as body,
             self._http.stream(
                 call.method,
                 call.path,
@@ -274,7 +274,7 @@ class Client(BlockingOperations):
             if request.target is None or not response.is_success:
                 content = response.read()
             else:
-                with written_whole(request.target) as file:
+                with open_replacement(request.target) as file:
                     for part in response.iter_bytes():
                         file.write(part)
             return Reply(status=response.status_code, headers=response.headers, content=content)

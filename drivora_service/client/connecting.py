@@ -104,7 +104,7 @@ def timeout_of(call: Call[Any], usual: httpx.Timeout) -> httpx.Timeout:
 
 
 @contextlib.contextmanager
-def opened_body(call: Call[Any]) -> Iterator[bytes | BinaryIO | None]:
+def open_body(call: Call[Any]) -> Iterator[bytes | BinaryIO | None]:
     """Provides the body of a call; a file is open meanwhile.
 
     Raises:
@@ -122,7 +122,7 @@ def opened_body(call: Call[Any]) -> Iterator[bytes | BinaryIO | None]:
 
 
 @contextlib.contextmanager
-def written_whole(path: Path) -> Iterator[BinaryIO]:
+def open_replacement(path: Path) -> Iterator[BinaryIO]:
     """Opens a file that replaces ``path`` once it is complete.
 
     Raises:

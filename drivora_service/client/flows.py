@@ -126,7 +126,7 @@ class Patience:
         return wait if wait <= left else None
 
 
-def asking(call: Call[T], terms: Terms, *, target: Path | None = None) -> Flow[Answer[T]]:
+def perform_call(call: Call[T], terms: Terms, *, target: Path | None = None) -> Flow[Answer[T]]:
     """Makes a call, repeatedly if that does no harm.
 
     Raises:
@@ -162,7 +162,7 @@ def asking(call: Call[T], terms: Terms, *, target: Path | None = None) -> Flow[A
         yield Sleep(wait)
 
 
-def listing_items(listing: Listing[T], terms: Terms) -> Items[T]:
+def list_items(listing: Listing[T], terms: Terms) -> Items[T]:
     """Asks for the pages of a list and hands out the items.
 
     Raises:
@@ -170,7 +170,7 @@ def listing_items(listing: Listing[T], terms: Terms) -> Items[T]:
     """
     token, taken = "", 0
     while listing.most is None or taken < listing.most:
-        page = (yield from asking(listing.page(token, taken=taken), terms)).value
+        page = (yield from perform_call(listing.page(token, taken=taken), terms)).value
         for item in page.items[: None if listing.most is None else listing.most - taken]:
             yield Emit(item)
         taken += len(page.items)

@@ -19,7 +19,7 @@ from drivora_service.client.calls import (
     runs,
     studies,
 )
-from drivora_service.client.flows import Emit, Flow, Items, Sleep, Terms, asking
+from drivora_service.client.flows import Emit, Flow, Items, Sleep, Terms, perform_call
 from drivora_service.client.waiting import Waiting
 from drivora_service.errors import ServiceUnavailable
 
@@ -87,13 +87,13 @@ class _Pace:
         return Sleep(min(max(self._wait_s, now - self._looked_at), _LONGEST_S))
 
 
-def expecting_workers(terms: Terms) -> Flow[None]:
+def check_workers(terms: Terms) -> Flow[None]:
     """Makes sure that the service can begin runs.
 
     Raises:
         ServiceUnavailable: It cannot, or did not answer.
     """
-    readiness = (yield from asking(catalogues.readiness(), terms)).value
+    readiness = (yield from perform_call(catalogues.readiness(), terms)).value
     for check in readiness.checks:
         if check.name == "workers" and not check.ok:
             message = f"{terms.service.name} cannot begin runs: {check.detail}"
@@ -104,7 +104,7 @@ def expecting_workers(terms: Terms) -> Flow[None]:
             raise ServiceUnavailable(message, status=503)
 
 
-def batch_runs(batch_id: str, terms: Terms, on_progress: Callable[[Batch], None]) -> Items[Run]:
+def watch_batch(batch_id: str, terms: Terms, on_progress: Callable[[Batch], None]) -> Items[Run]:
     """Hands out the runs of a batch as they end, each once, until all have ended.
 
     Args:
@@ -123,19 +123,19 @@ def batch_runs(batch_id: str, terms: Terms, on_progress: Callable[[Batch], None]
     yield from waiting.begin()
     while True:
         pace.look()
-        answer = yield from asking(jobs.batch(batch_id), terms)
+        answer = yield from perform_call(jobs.batch(batch_id), terms)
         batch = answer.value
         on_progress(batch)
         ended = sum(count for status, count in batch.counts.items() if status.is_final)
-        yield from _ended_runs(batch_id, terms, handed_out, most=ended - len(handed_out))
+        yield from _emit_ended_runs(batch_id, terms, handed_out, most=ended - len(handed_out))
         if batch.done:
             return
         if pace.is_still((batch.counts, batch.state)):
-            yield from expecting_workers(terms)
+            yield from check_workers(terms)
         yield from waiting.change(pace.wait(answer.retry_after_s), looked_s=pace.looked_s)
 
 
-def _ended_runs(batch_id: str, terms: Terms, handed_out: set[str], *, most: int) -> Items[Run]:
+def _emit_ended_runs(batch_id: str, terms: Terms, handed_out: set[str], *, most: int) -> Items[Run]:
     """Hands out runs that have ended since the look before: ``most``, and those of the same page.
 
     The newest jobs come first in the list and are run last, so that what has ended since stands at
@@ -148,12 +148,12 @@ def _ended_runs(batch_id: str, terms: Terms, handed_out: set[str], *, most: int)
     listing = jobs.jobs(JobFilter(batch_id=batch_id, statuses=final))
     token: str = ""
     while most > 0:
-        page: Any = (yield from asking(listing.page(token, taken=0), terms)).value
+        page: Any = (yield from perform_call(listing.page(token, taken=0), terms)).value
         for job in page.items:
             if job.id not in handed_out:
                 handed_out.add(job.id)
                 most -= 1
-                yield Emit((yield from asking(runs.run(job.id), terms)).value)
+                yield Emit((yield from perform_call(runs.run(job.id), terms)).value)
         token = page.next_page_token
         if not token:
             return
@@ -178,22 +178,22 @@ class _Watched(Generic[T]):
     progress: Callable[[T], object]
 
 
-def _followed(watched: _Watched[T], terms: Terms, on_progress: Callable[[T], None]) -> Flow[T]:
+def _watch(watched: _Watched[T], terms: Terms, on_progress: Callable[[T], None]) -> Flow[T]:
     pace = _Pace(is_local=terms.service.is_local)
     waiting = Waiting(watched.kind, watched.id, terms)
     yield from waiting.begin()
     while True:
         pace.look()
-        answer = yield from asking(watched.call, terms)
+        answer = yield from perform_call(watched.call, terms)
         on_progress(answer.value)
         if watched.has_ended(answer.value):
             return answer.value
         if pace.is_still(watched.progress(answer.value)):
-            yield from expecting_workers(terms)
+            yield from check_workers(terms)
         yield from waiting.change(pace.wait(answer.retry_after_s), looked_s=pace.looked_s)
 
 
-def followed_campaign(
+def watch_campaign(
     campaign_id: str, terms: Terms, on_progress: Callable[[Campaign], None]
 ) -> Flow[Campaign]:
     """Waits until a campaign has ended or is paused, and returns it.
@@ -216,12 +216,10 @@ def followed_campaign(
         has_ended=lambda one: one.state not in (CampaignState.QUEUED, CampaignState.RUNNING),
         progress=lambda one: (one.state, one.counts, one.kinds),
     )
-    return (yield from _followed(watched, terms, on_progress))
+    return (yield from _watch(watched, terms, on_progress))
 
 
-def followed_study(
-    study_id: str, terms: Terms, on_progress: Callable[[Study], None]
-) -> Flow[Study]:
+def watch_study(study_id: str, terms: Terms, on_progress: Callable[[Study], None]) -> Flow[Study]:
     """Waits until no campaign of a study runs or waits, and returns the study.
 
     Args:
@@ -241,10 +239,10 @@ def followed_study(
         has_ended=lambda one: not one.state.is_active,
         progress=lambda one: (one.campaigns, one.counts),
     )
-    return (yield from _followed(watched, terms, on_progress))
+    return (yield from _watch(watched, terms, on_progress))
 
 
-def ended_minimization(
+def watch_minimization(
     minimization_id: str, terms: Terms, on_progress: Callable[[Minimization], None]
 ) -> Flow[Minimization]:
     """Waits until a minimisation has ended, and returns it.
@@ -266,4 +264,4 @@ def ended_minimization(
         has_ended=lambda one: not one.state.is_active,
         progress=lambda one: (one.state, one.simulations),
     )
-    return (yield from _followed(watched, terms, on_progress))
+    return (yield from _watch(watched, terms, on_progress))

@@ -74,7 +74,7 @@ class Exchange:
             return self._status, self._headers
         if isinstance(self._error, Exception):
             raise self._error
-        raise self._broken("the application ended without an answer")
+        raise self._make_error("the application ended without an answer")
 
     async def chunk(self) -> bytes | None:
         """Returns the next part of the answer's body, ``None`` at its end.
@@ -90,7 +90,7 @@ class Exchange:
         except (anyio.EndOfStream, anyio.ClosedResourceError):
             if self._is_complete:
                 return None
-            raise self._broken("the application ended within its answer") from self._error
+            raise self._make_error("the application ended within its answer") from self._error
 
     def disconnect(self) -> None:
         """Tells the application that the client is gone; what it still sends is dropped."""
@@ -172,7 +172,7 @@ class Exchange:
         finally:
             self._is_sent_or_begun.set()
 
-    def _broken(self, message: str) -> httpx.TransportError:
+    def _make_error(self, message: str) -> httpx.TransportError:
         return httpx.RemoteProtocolError(message, request=self._request)
 
     def _timeout(self, kind: type[httpx.TimeoutException], message: str) -> httpx.TimeoutException:

@@ -109,7 +109,7 @@ class EventReader:
         return value
 
 
-def listened(call: Call[bytes], terms: Terms) -> Items[Event]:
+def receive_events(call: Call[bytes], terms: Terms) -> Items[Event]:
     """Hands out events, and connects again with the last position where a stream breaks off.
 
     Raises:
@@ -133,10 +133,13 @@ def listened(call: Call[bytes], terms: Terms) -> Items[Event]:
                     for event in reader.read(part):
                         yield Emit(event)
                 else:
-                    ended = _broken(part, terms.service)
+                    ended = _make_stream_error(part, terms.service)
             fault = ended
         elif isinstance(outcome, Reply):
-            fault, retry_after_s = _refused(call, outcome, terms.service), outcome.retry_after_s
+            fault, retry_after_s = (
+                _make_refusal_error(call, outcome, terms.service),
+                outcome.retry_after_s,
+            )
             if not may_pass(outcome):
                 raise fault
         elif isinstance(outcome, Exception):
@@ -150,13 +153,13 @@ def listened(call: Call[bytes], terms: Terms) -> Items[Event]:
         yield Sleep(wait)
 
 
-def _broken(outcome: object, service: Service) -> ServiceError:
+def _make_stream_error(outcome: object, service: Service) -> ServiceError:
     if isinstance(outcome, Exception):
         return no_answer(outcome, service)  # type: ignore[arg-type] # of a request
     return ServiceUnavailable(f"{service.name} has ended its stream of events")
 
 
-def _refused(call: Call[bytes], reply: Reply, service: Service) -> ServiceError:
+def _make_refusal_error(call: Call[bytes], reply: Reply, service: Service) -> ServiceError:
     try:
         read_reply(replace(call, accepted=frozenset()), reply, service)
     except ServiceError as error:

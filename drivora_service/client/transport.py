@@ -123,7 +123,7 @@ class ApplicationTransport(httpx.BaseTransport):
             stream=stream,
             extensions=request.extensions,
         )
-        loop = self._running()
+        loop = self._ensure_loop()
         exchange, status, headers = _call(loop, self._inner.exchange(inner))
         return httpx.Response(
             status, headers=headers, stream=_Body(loop, exchange), extensions=_EXTENSIONS
@@ -170,7 +170,7 @@ class ApplicationTransport(httpx.BaseTransport):
         else:
             self._closed.set_result(None)
 
-    def _running(self) -> asyncio.AbstractEventLoop:
+    def _ensure_loop(self) -> asyncio.AbstractEventLoop:
         with self._lock:
             if self._is_closed:
                 raise ServiceError(STOPPED)

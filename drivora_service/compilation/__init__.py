@@ -8,8 +8,8 @@ from drivora_service.compilation.kernel import (
     Kernel,
     compiled,
     load_compiler,
-    settled,
+    specialize,
     worth_loading,
 )
 
-__all__ = ["Kernel", "compiled", "load_compiler", "settled", "worth_loading"]
+__all__ = ["Kernel", "compiled", "load_compiler", "specialize", "worth_loading"]

@@ -64,7 +64,7 @@ def compiled(function: Function) -> Function:
     return cast("Function", Kernel(function))
 
 
-def settled(kernel: Function) -> Function:
+def specialize(kernel: Function) -> Function:
     """Returns a faster way to call a kernel with arguments of the same types as in its last call.
 
     A kernel finds its machine code by the types of all arguments, which takes a microsecond or more

@@ -37,7 +37,7 @@ def dispatcher_of(function: Callable[..., Any]) -> Any:
     return njit(cache=True, error_model="numpy")(function)
 
 
-def used_by(function: FunctionType) -> str:
+def hash_dependencies(function: FunctionType) -> str:
     """Returns a digest of what a kernel may use: the files of kernels, and the values of constants.
 
     Its own module and those that it imports must have been imported.
@@ -77,7 +77,7 @@ class _UsedStamp:
         """Returns the locator of a function; ``None`` if it cannot be cached here."""
         found = super().from_function(function, path)  # type: ignore[misc] # of the other base
         if found is not None and hasattr(function, _MARK):
-            found._used = used_by(function)
+            found._used = hash_dependencies(function)
         return found
 
     def get_source_stamp(self) -> object:

@@ -133,7 +133,7 @@ def _file(request: Request, path: Path, cache: str) -> Response:
         return Response("There is no such file.\n", 404, media_type="text/plain")
     media_type = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
     headers = {**_HEADERS, "Cache-Control": cache, "Vary": "Accept-Encoding"}
-    accepted = {part.split(";")[0].strip() for part in _accepted(request).split(",")}
+    accepted = {part.split(";")[0].strip() for part in _encoding_header(request).split(",")}
     for encoding, suffix in _ENCODINGS:
         stored = path.with_name(path.name + suffix)
         if encoding in accepted and stored.is_file():
@@ -143,5 +143,5 @@ def _file(request: Request, path: Path, cache: str) -> Response:
     return FileResponse(path, headers=headers, media_type=media_type)
 
 
-def _accepted(request: Request) -> str:
+def _encoding_header(request: Request) -> str:
     return request.headers.get("accept-encoding", "")

@@ -208,7 +208,7 @@ class Dispatcher:
         """Returns how many runs may be claimed now if ``ended`` of those in flight have ended."""
         if self._stopping.is_set() or self._executor.fault or self._infrastructure.fault:
             return 0
-        return self._pace.wanted_in_flight(self._executor.capacity) - len(self._in_flight) + ended
+        return self._pace.target_in_flight(self._executor.capacity) - len(self._in_flight) + ended
 
     def _has_room_and_work(self) -> bool:
         if self._room() <= 0:

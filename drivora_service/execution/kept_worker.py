@@ -26,9 +26,9 @@ from drivora_service.worker.loop import WorkerTask
 from drivora_service.worker.process_readings import (
     ProcessHandle,
     descendants_of,
-    listed_children,
+    list_children,
+    read_last_pid,
     read_process,
-    started_processes,
 )
 from drivora_service.worker.progress_board import BoardReader
 from drivora_service.worker.worker_messages import Ended, Leftovers, Started, message_of
@@ -179,7 +179,7 @@ class KeptWorker:
         Raises:
             KeeperLostError: The keeper has ended or does not answer.
         """
-        count, now = started_processes(), time.monotonic()
+        count, now = read_last_pid(), time.monotonic()
         is_recent = now - self._looked_at < _LOOK_AGAIN_S
         if count is not None and count == self._started_processes and is_recent:
             return ()
@@ -219,9 +219,9 @@ class KeptWorker:
 
         Orphans go to the keeper, which is read after the worker, so that none is missed.
         """
-        if self.pid is None or listed_children(self.pid) != []:
+        if self.pid is None or list_children(self.pid) != []:
             return False
-        return listed_children(self._keeper.pid) == [self.pid]
+        return list_children(self._keeper.pid) == [self.pid]
 
     def end(self) -> None:
         """Ends the worker and all that was started in it, and waits until they are gone."""

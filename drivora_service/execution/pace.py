@@ -26,7 +26,7 @@ class Pace:
         else:
             self._mean_s += _WEIGHT * (seconds - self._mean_s)
 
-    def wanted_in_flight(self, slots: int) -> int:
+    def target_in_flight(self, slots: int) -> int:
         """Returns how many runs should be running or claimed for so many slots."""
         if self._mean_s is None:
             return 2 * slots

@@ -142,7 +142,9 @@ class Slot:
                 self._log_fault("slot_fault", error)
                 with contextlib.suppress(Exception):
                     child.end()
-                if self._closing.wait(self._starts.failed(self.name, repr(error), certain=False)):
+                if self._closing.wait(
+                    self._starts.note_failure(self.name, repr(error), certain=False)
+                ):
                     break
         try:
             child.close()
@@ -203,7 +205,7 @@ class Slot:
             outcome, exit_code = self._perform(child, spec)
         except Exception as error:
             # The worker reports all that a run raises; this is a fault of the system.
-            outcome = self._lost(spec.run_id, error)
+            outcome = self._handle_loss(spec.run_id, error)
             with contextlib.suppress(Exception):
                 child.end()
         if isinstance(outcome, RunReport) and _may_affect_next_run(outcome, child):
@@ -238,7 +240,7 @@ class Slot:
         self._note_crash("" if report.failure is None else report.failure.message)
         return end(report=report, candidate=None)
 
-    def _lost(self, run_id: str, error: Exception) -> RunReport:
+    def _handle_loss(self, run_id: str, error: Exception) -> RunReport:
         """Returns the report of a run that was lost to a fault of this package or the system."""
         self._log_fault("slot_fault", error)
         message = f"the worker process was lost: {error!r}"
@@ -309,7 +311,7 @@ class Slot:
             try:
                 child.replace()
                 if self._got_ready(child):
-                    self._starts.succeeded(self.name)
+                    self._starts.note_success(self.name)
                     self._since = datetime.now(UTC)
                     return
                 if self._closing.is_set():
@@ -325,7 +327,7 @@ class Slot:
                 reason = f"the system starts no worker process: {type(error).__name__}: {error}"
             child.end()
             self._note_crash(reason)
-            self._closing.wait(self._starts.failed(self.name, reason, certain=certain))
+            self._closing.wait(self._starts.note_failure(self.name, reason, certain=certain))
 
     def _got_ready(self, child: Child) -> bool:
         until = time.monotonic() + self._limits.start_s

@@ -50,13 +50,13 @@ class WorkerStarts:
         """The reason that no worker can be started and what to do, "" without a fault."""
         return self._fault
 
-    def succeeded(self, slot: str) -> None:
+    def note_success(self, slot: str) -> None:
         """Records that a worker of the slot is ready."""
         with self._lock:
             self._reasons[slot], self._failures[slot] = "", 0
             self._fault = ""
 
-    def failed(self, slot: str, reason: str, *, certain: bool) -> float:
+    def note_failure(self, slot: str, reason: str, *, certain: bool) -> float:
         """Records that a worker of the slot did not become ready.
 
         Args:

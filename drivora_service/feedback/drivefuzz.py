@@ -70,7 +70,7 @@ class DrivefuzzFeedback:
 
     def _deductions(self, ego: EgoView) -> tuple[float, ...]:
         frames = driving_frames(ego)
-        over, under = self.steering(frames)
+        over, under = self.find_over_and_understeer(frames)
         gap = ego.proximity.min_gap
         return (
             float(np.count_nonzero(frames.acceleration >= self.hard_change)),
@@ -81,7 +81,7 @@ class DrivefuzzFeedback:
             0.0 if gap is None else 1.0 / max(gap, self.least_distance),
         )
 
-    def steering(self, frames: DrivingFrames) -> tuple[BoolArray, BoolArray]:
+    def find_over_and_understeer(self, frames: DrivingFrames) -> tuple[BoolArray, BoolArray]:
         """Returns the (n,) flags of frames with oversteer and with understeer."""
         # As if the wheels were turned to the left; straight wheels turn as the vehicle does.
         neutral = np.abs(frames.neutral)

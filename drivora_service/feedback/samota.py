@@ -95,7 +95,7 @@ class SamotaFeedback:
 
     def _distance(self, ego: EgoView, roles: tuple[Role, ...]) -> float | None:
         """Scores the least gap to any actor of these roles; 0 if the ego hit one by its fault."""
-        faults = {one.other.row: one.finding.fault for one in Collision().found(ego)}
+        faults = {one.other.row: one.finding.fault for one in Collision().find_collisions(ego)}
         hit_by = frozenset(row for row, fault in faults.items() if fault is Fault.OTHER)
         gap = least_gap(ego, roles, without=hit_by)
         if gap is None:

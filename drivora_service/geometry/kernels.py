@@ -8,6 +8,6 @@ from drivora_service.compilation import compiled
 
 
 @compiled
-def wrapped(angle: float) -> float:
+def wrap_to_pi(angle: float) -> float:
     """Returns the same direction as an angle in [-pi, pi); ``angles.wrap_angle`` for kernels."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi

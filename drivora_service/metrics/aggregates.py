@@ -68,19 +68,19 @@ def benchmark_scores(runs: Sequence[Metrics], *, missing: int = 0) -> BenchmarkS
     """
     return BenchmarkScores(
         planned=len(runs) + missing,
-        driving_score=aggregated(runs, "driving_score", missing=missing),
-        driving_score_1_0=aggregated(runs, "driving_score_1_0", missing=missing),
-        driving_score_2_0=aggregated(runs, "driving_score_2_0", missing=missing),
-        route_completion=aggregated(runs, "route_completion", missing=missing),
-        infraction_penalty=aggregated(runs, "infraction_penalty", missing=missing),
-        success_rate=aggregated(runs, "success", missing=missing),
-        efficiency=aggregated(runs, "efficiency"),
-        comfort=aggregated(runs, "comfort"),
-        nuplan_closed_loop=aggregated(runs, "nuplan_closed_loop", missing=missing),
+        driving_score=aggregate_metric(runs, "driving_score", missing=missing),
+        driving_score_1_0=aggregate_metric(runs, "driving_score_1_0", missing=missing),
+        driving_score_2_0=aggregate_metric(runs, "driving_score_2_0", missing=missing),
+        route_completion=aggregate_metric(runs, "route_completion", missing=missing),
+        infraction_penalty=aggregate_metric(runs, "infraction_penalty", missing=missing),
+        success_rate=aggregate_metric(runs, "success", missing=missing),
+        efficiency=aggregate_metric(runs, "efficiency"),
+        comfort=aggregate_metric(runs, "comfort"),
+        nuplan_closed_loop=aggregate_metric(runs, "nuplan_closed_loop", missing=missing),
     )
 
 
-def aggregated(runs: Sequence[Metrics], metric: str, *, missing: int = 0) -> Aggregate:
+def aggregate_metric(runs: Sequence[Metrics], metric: str, *, missing: int = 0) -> Aggregate:
     """Aggregates one metric over the runs in which it was measurable, and ``missing`` zeros."""
     values = [value for run in runs if (value := run.get(metric)) is not None]
     values = [*filter(math.isfinite, values), *[0.0] * missing]

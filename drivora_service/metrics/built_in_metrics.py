@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from drivora_service.metrics.closed_loop import closed_loop
+from drivora_service.metrics.closed_loop import measure_closed_loop
 from drivora_service.metrics.comfort import comfort
 from drivora_service.metrics.driving_score import Version, infraction_penalty
 from drivora_service.metrics.infractions import infractions_of
 from drivora_service.metrics.judgement import Judgement
 from drivora_service.metrics.measured import Combine, Measured
 from drivora_service.metrics.route_completion import route_completion
-from drivora_service.metrics.safety import safety
+from drivora_service.metrics.safety import measure_safety
 from drivora_service.metrics.success import success
 from drivora_service.metrics.traffic_pace import efficiency
-from drivora_service.metrics.travel import travel
+from drivora_service.metrics.travel import measure_travel
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
@@ -80,9 +80,9 @@ def all_measured(run: RunView, judgements: tuple[Judgement, ...]) -> tuple[Measu
         ),
         _mean("comfort", [comfort(ego) for ego in run.egos]),
         _mean("efficiency", [efficiency(ego) for ego in run.egos]),
-        *closed_loop(run, judgements),
-        *safety(run),
-        *travel(run),
+        *measure_closed_loop(run, judgements),
+        *measure_safety(run),
+        *measure_travel(run),
     )
 
 

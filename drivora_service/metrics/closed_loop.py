@@ -44,12 +44,12 @@ WEIGHTS = {PROGRESS: 5.0, TIME_TO_COLLISION: 5.0, SPEED_LIMIT: 4.0, COMFORT: 2.0
 Parts = Mapping[str, float | None]
 
 
-def closed_loop(run: RunView, judgements: tuple[Judgement, ...]) -> tuple[Measured, ...]:
+def measure_closed_loop(run: RunView, judgements: tuple[Judgement, ...]) -> tuple[Measured, ...]:
     """Measures nuPlan's closed-loop score and its parts, each 0..1."""
     parts = [_parts(ego, j) for ego, j in zip(run.egos, judgements, strict=True)]
     return (
-        _measured("nuplan_closed_loop", [closed_loop_score(own) for own in parts]),
-        *(_measured(name, [own[name] for own in parts]) for name in (*MULTIPLIERS, *WEIGHTS)),
+        _make_measured("nuplan_closed_loop", [closed_loop_score(own) for own in parts]),
+        *(_make_measured(name, [own[name] for own in parts]) for name in (*MULTIPLIERS, *WEIGHTS)),
     )
 
 
@@ -71,7 +71,7 @@ def closed_loop_score(parts: Parts) -> float | None:
     return product * total / math.fsum(WEIGHTS.values())
 
 
-def _measured(name: str, values: Sequence[float | None]) -> Measured:
+def _make_measured(name: str, values: Sequence[float | None]) -> Measured:
     return Measured(name=name, values=tuple(values), combine=Combine.MEAN)
 
 
@@ -81,13 +81,13 @@ def _parts(ego: EgoView, judgement: Judgement) -> Parts:
     progress = None if compared is None else compared.ratio
     return {
         NO_COLLISION: None if at_fault is None else _no_collision(at_fault),
-        DRIVABLE_AREA: _kept(judgement, "off_road"),
+        DRIVABLE_AREA: _score_oracle(judgement, "off_road"),
         DIRECTION: _direction(judgement),
         MAKING_PROGRESS: None if progress is None else float(progress >= LEAST_PROGRESS),
         PROGRESS: progress,
         TIME_TO_COLLISION: _time_to_collision(ego, at_fault),
         SPEED_LIMIT: _speed_limit(ego),
-        COMFORT: _kept(judgement, "discomfort"),
+        COMFORT: _score_oracle(judgement, "discomfort"),
     }
 
 
@@ -107,7 +107,7 @@ def _no_collision(at_fault: tuple[Verdict, ...]) -> float:
     return 0.5 if len(at_fault) == objects == 1 else 0.0
 
 
-def _kept(judgement: Judgement, oracle: str) -> float | None:
+def _score_oracle(judgement: Judgement, oracle: str) -> float | None:
     found = judgement.violations(oracle)
     return None if found is None else float(not found)
 

@@ -19,7 +19,7 @@ def comfort(ego: EgoView) -> float | None:
     """
     if ego.motion is None:
         return None
-    rough = np.any(list(Discomfort().broken(ego.motion).values()), axis=0)
+    rough = np.any(list(Discomfort().find_exceeded_bounds(ego.motion).values()), axis=0)
     length = min(SEGMENT, len(rough))
     segments = len(rough) // length
     whole = rough[: segments * length].reshape(segments, length)

@@ -34,10 +34,10 @@ class Measured:
     @property
     def total(self) -> float | None:
         """The value of the run; ``None`` if no ego has one."""
-        return combined(self.values, self.combine)
+        return combine_values(self.values, self.combine)
 
 
-def combined(values: Sequence[float | None], combine: Combine) -> float | None:
+def combine_values(values: Sequence[float | None], combine: Combine) -> float | None:
     """Aggregates the values of several egos."""
     known = [value for value in values if value is not None and math.isfinite(value)]
     if not known:

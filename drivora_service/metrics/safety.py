@@ -13,23 +13,23 @@ from drivora_service.observations.run_view import EgoView, RunView
 _Measure = Callable[[EgoView], float | None]
 
 
-def safety(run: RunView) -> tuple[Measured, ...]:
+def measure_safety(run: RunView) -> tuple[Measured, ...]:
     """Measures gaps, times and decelerations; ``None`` without other actors.
 
     Times are also ``None`` if no actor was on a collision course, or no paths crossed, within the
     horizons of ``observations.proximity``. Decelerations are the largest before the boxes touch.
     """
     return (
-        _measured("min_gap_m", run, _min_gap, Combine.LEAST),
-        _measured("min_time_to_collision_s", run, _min_time, Combine.LEAST),
-        _measured("post_encroachment_time_s", run, _encroachment, Combine.LEAST),
-        _measured("max_drac_mps2", run, _drac, Combine.MOST),
-        _measured("max_required_deceleration_mps2", run, _required, Combine.MOST),
-        _measured("rss_violation_share", run, _rss_share, Combine.MEAN),
+        _measure_egos("min_gap_m", run, _min_gap, Combine.LEAST),
+        _measure_egos("min_time_to_collision_s", run, _min_time, Combine.LEAST),
+        _measure_egos("post_encroachment_time_s", run, _encroachment, Combine.LEAST),
+        _measure_egos("max_drac_mps2", run, _drac, Combine.MOST),
+        _measure_egos("max_required_deceleration_mps2", run, _required_deceleration, Combine.MOST),
+        _measure_egos("rss_violation_share", run, _rss_share, Combine.MEAN),
     )
 
 
-def _measured(name: str, run: RunView, measure: _Measure, combine: Combine) -> Measured:
+def _measure_egos(name: str, run: RunView, measure: _Measure, combine: Combine) -> Measured:
     values = tuple(
         measure(ego) if ego.count and ego.proximity.min_gap is not None else None
         for ego in run.egos
@@ -53,7 +53,7 @@ def _drac(ego: EgoView) -> float | None:
     return _largest(ego.proximity.drac)
 
 
-def _required(ego: EgoView) -> float | None:
+def _required_deceleration(ego: EgoView) -> float | None:
     return _largest(ego.proximity.required_deceleration)
 
 

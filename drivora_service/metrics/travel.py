@@ -7,7 +7,7 @@ from drivora_service.observations.run_view import RunView
 from drivora_service.oracles.blocked import standing_clock
 
 
-def travel(run: RunView) -> tuple[Measured, ...]:
+def measure_travel(run: RunView) -> tuple[Measured, ...]:
     """Measures the distance driven, the time taken, the mean speed and the longest standstill.
 
     A standstill at a signal that is not green does not count, as for the oracle ``blocked``.

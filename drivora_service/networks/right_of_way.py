@@ -68,8 +68,8 @@ def right_of_way(network: RoadNetwork) -> RightOfWay:
                 junction=element.get("id", ""),
                 lanes=tuple(chain),
                 incoming=into.get(chain[0], [-1])[0],
-                foes=_marked(request.get("foes", ""), last),
-                yields_to=_marked(request.get("response", ""), last),
+                foes=_decode_lanes(request.get("foes", ""), last),
+                yields_to=_decode_lanes(request.get("response", ""), last),
             )
             for index in chain:
                 by_lane[index] = movement
@@ -77,7 +77,7 @@ def right_of_way(network: RoadNetwork) -> RightOfWay:
     return RightOfWay(by_lane=by_lane, before={lane: tuple(lanes) for lane, lanes in into.items()})
 
 
-def _marked(bits: str, lanes: list[int]) -> tuple[int, ...]:
+def _decode_lanes(bits: str, lanes: list[int]) -> tuple[int, ...]:
     """Returns the lanes whose bit is set; the rightmost character is link 0."""
     return tuple(
         lane for lane, bit in zip(lanes, reversed(bits), strict=False) if bit == "1" and lane >= 0

@@ -22,7 +22,7 @@ def sources(networks: Path) -> tuple[Path, ...]:
     return tuple(sorted(path.parent for path in networks.glob("*/plain") if path.is_dir()))
 
 
-def built_files(directory: Path) -> Mapping[Path, bytes]:
+def build_files(directory: Path) -> Mapping[Path, bytes]:
     """Builds one network in memory.
 
     Args:
@@ -45,7 +45,7 @@ def built_files(directory: Path) -> Mapping[Path, bytes]:
     }
 
 
-def differing(networks: Path) -> tuple[str, ...]:
+def find_outdated_files(networks: Path) -> tuple[str, ...]:
     """Returns the files below ``networks`` that a rebuild would change, as relative paths.
 
     Raises:
@@ -54,7 +54,7 @@ def differing(networks: Path) -> tuple[str, ...]:
     return tuple(
         path.relative_to(networks).as_posix()
         for directory in sources(networks)
-        for path, content in built_files(directory).items()
+        for path, content in build_files(directory).items()
         if not path.is_file() or path.read_bytes() != content
     )
 
@@ -67,7 +67,7 @@ def rebuild(networks: Path) -> tuple[str, ...]:
     """
     changed = []
     for directory in sources(networks):
-        for path, content in built_files(directory).items():
+        for path, content in build_files(directory).items():
             if not path.is_file() or path.read_bytes() != content:
                 path.write_bytes(content)
                 changed.append(path.relative_to(networks).as_posix())
@@ -94,7 +94,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if not sources(networks):
             raise NetworkError(f"no network with plain sources in {networks}")
-        files = differing(networks) if options.check else rebuild(networks)
+        files = find_outdated_files(networks) if options.check else rebuild(networks)
     except NetworkError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

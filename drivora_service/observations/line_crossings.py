@@ -71,7 +71,9 @@ def find_line_crossings(ego: EgoView) -> tuple[Crossing, ...]:
         for front, following in itertools.pairwise((*fronts, ego.count)):
             tail = next((row for row in tails if front <= row < following), None)
             found.append(
-                Crossing(line=line, front=front, tail=tail, ways=_driven(ego, lines, line, front))
+                Crossing(
+                    line=line, front=front, tail=tail, ways=_find_movements(ego, lines, line, front)
+                )
             )
     return tuple(sorted(found, key=lambda crossing: (crossing.front, crossing.line)))
 
@@ -159,7 +161,9 @@ def _rows_beyond(
     return rows[:count]
 
 
-def _driven(ego: EgoView, lines: StopLines, line: int, front: int) -> tuple[WayThrough, ...]:
+def _find_movements(
+    ego: EgoView, lines: StopLines, line: int, front: int
+) -> tuple[WayThrough, ...]:
     """Returns the movements that agree best with the lanes driven after a line.
 
     Movements from the lane have priority over those from the others of its edge, which count if the

@@ -16,7 +16,7 @@ import numpy as np
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, Int32Array
 from drivora_service.geometry.boxes import box_gap, overlap_depth, time_to_contact
-from drivora_service.geometry.kernels import wrapped
+from drivora_service.geometry.kernels import wrap_to_pi
 from drivora_service.observations.trace import LEVEL_GAP, Col, Trace
 
 HORIZON = 10.0
@@ -364,7 +364,7 @@ def _least_lag(
                             break
                         lag += max(1, int(away / stride))
                         continue
-                    turn = wrapped(other[2] - ego[2])
+                    turn = wrap_to_pi(other[2] - ego[2])
                     level = abs(other[_Z] - ego[_Z]) <= LEVEL_GAP
                     if level and abs(turn) >= crossing and (
                         overlap_depth(

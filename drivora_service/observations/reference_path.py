@@ -48,7 +48,7 @@ def recorded_path(ego: EgoView) -> FloatArray:
         axis=1,
     )
     tolerances = _TOLERANCES
-    while np.count_nonzero(kept := _needed(path, tolerances)) > MOST_POSES:
+    while np.count_nonzero(kept := _select_rows(path, tolerances)) > MOST_POSES:
         tolerances = 2.0 * tolerances
     thinned = path[kept]
     # The same direction, within the bounds of documents however often the ego has turned.
@@ -121,7 +121,7 @@ def path_overlap(
     return float(share), float(max(of_own.max(), of_reference.max()))
 
 
-def _needed(path: FloatArray, tolerances: FloatArray) -> BoolArray:
+def _select_rows(path: FloatArray, tolerances: FloatArray) -> BoolArray:
     """Returns the (n,) rows between which the others are interpolated within the tolerances.
 
     The row with the largest error is kept, and the rows on either side of it are treated likewise

@@ -44,7 +44,7 @@ class MetSignal:
 def met_signals(ego: EgoView) -> tuple[MetSignal, ...]:
     """Returns the signals that an ego met, in the order of time."""
     lines = stop_lines(ego.network)
-    found = [signal for part in _approaches(ego) if (signal := _met(ego, lines, *part))]
+    found = [signal for part in _approaches(ego) if (signal := _find_signal(ego, lines, *part))]
     passages = {(signal.line, signal.passed) for signal in found}
     for crossing in ego.crossings:
         if (crossing.line, crossing.front) in passages:
@@ -78,7 +78,9 @@ def _approaches(ego: EgoView) -> list[tuple[int, int, float]]:
     ]
 
 
-def _met(ego: EgoView, lines: StopLines, first: int, last: int, place: float) -> MetSignal | None:
+def _find_signal(
+    ego: EgoView, lines: StopLines, first: int, last: int, place: float
+) -> MetSignal | None:
     """Returns the signal whose stop line is at a place on the route; None if there is none."""
     route = ego.route
     point = np.array([np.interp(place, route.arc, route.line[:, axis]) for axis in (0, 1)])

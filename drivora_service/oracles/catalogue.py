@@ -21,7 +21,7 @@ from drivora_service.oracles.laws.description import law_description
 from drivora_service.oracles.laws.law_judging import LawOracle
 from drivora_service.oracles.laws.library import LawLibrary
 from drivora_service.oracles.laws.sources import LawSource
-from drivora_service.oracles.oracle_descriptions import OracleDescription, described
+from drivora_service.oracles.oracle_descriptions import OracleDescription, find_description
 from drivora_service.oracles.plugin import OraclePlugin
 from drivora_service.oracles.verdict import Oracle
 from drivora_service.plugin_table import PluginTable
@@ -98,7 +98,7 @@ class OracleCatalogue:
         Raises:
             OracleError: As :meth:`laws` and :meth:`installed`.
         """
-        return (*self._built_in.values(), *self.laws(), *self.installed())
+        return (*self._built_in.values(), *self.laws(), *self.load_installed())
 
     def laws(self) -> tuple[LawOracle, ...]:
         """Returns the traffic laws: shipped ones, then the user's.
@@ -107,16 +107,16 @@ class OracleCatalogue:
             OracleError: A law file cannot be used.
         """
         for file in self._library.broken:
-            raise self._broken(file)
+            raise self._make_law_error(file)
         return tuple(self._laws.values())
 
-    def installed(self) -> tuple[InstalledOracle, ...]:
+    def load_installed(self) -> tuple[InstalledOracle, ...]:
         """Returns the oracles of installed packages, sorted by name.
 
         Raises:
             OracleError: One of them cannot be loaded or made.
         """
-        return tuple(self._installed_oracle(name) for name in self._installed_names())
+        return tuple(self._load_oracle(name) for name in self._installed_names())
 
     def versions(self, name: str) -> Mapping[str, str]:
         """Returns the package of an oracle with its version, or the hash of the user's law file.
@@ -141,10 +141,10 @@ class OracleCatalogue:
         if name in self._laws:
             return self._laws[name]
         if name in self._library.broken:
-            raise self._broken(name)
+            raise self._make_law_error(name)
         if name not in self._table.names():
             raise UnknownName("oracle", name, self.names())
-        return self._installed_oracle(name)
+        return self._load_oracle(name)
 
     def entry(self, name: str) -> OracleEntry:
         """Returns the description of an oracle, with the reason if it cannot be loaded.
@@ -181,16 +181,16 @@ class OracleCatalogue:
         """Returns what an oracle says about itself; ``None`` for one of a package."""
         if name in self._laws:
             return law_description(self._library.law(name))
-        return described(name)
+        return find_description(name)
 
-    def _broken(self, file: str) -> OracleError:
+    def _make_law_error(self, file: str) -> OracleError:
         reason = self._library.broken[file].reason
         return OracleError(f"law file {file!r}: {reason}", cause="law_file")
 
     def _installed_names(self) -> tuple[str, ...]:
         return tuple(name for name in self._table.names() if name not in self._built_in)
 
-    def _installed_oracle(self, name: str) -> InstalledOracle:
+    def _load_oracle(self, name: str) -> InstalledOracle:
         if name not in self._installed:
             try:
                 self._installed[name] = self._make(name)

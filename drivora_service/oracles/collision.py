@@ -56,10 +56,10 @@ class Collision:
     def _judge(self, ego: EgoView) -> list[Verdict]:
         if not ego.count:
             return [not_started(self.name, ego)]
-        verdicts = [self._verdict(ego, found) for found in self.found(ego)]
+        verdicts = [self._verdict(ego, found) for found in self.find_collisions(ego)]
         return verdicts or [passed(self.name, ego, "No collision.")]
 
-    def found(self, ego: EgoView) -> Iterator[FoundCollision]:
+    def find_collisions(self, ego: EgoView) -> Iterator[FoundCollision]:
         """Yields the collisions of an ego that started, in the order of time, with their findings.
 
         Without the avoidability, which takes far longer.

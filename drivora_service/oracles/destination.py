@@ -47,15 +47,15 @@ class Destination:
 
         They include the time that it waited at signals.
         """
-        return float(self._limits(ego)[-1]) if ego.count else self._allowed(ego)
+        return float(self._limits(ego)[-1]) if ego.count else self._allowed_seconds(ego)
 
-    def _allowed(self, ego: EgoView) -> float:
+    def _allowed_seconds(self, ego: EgoView) -> float:
         return self.time_per_metre * ego.route.length + self.time_to_start
 
     def _limits(self, ego: EgoView) -> FloatArray:
         """Returns the (n,) limits in every row, extended by the time waited at signals."""
         waiting = (ego.speed < STANDING_SPEED) & waiting_at_signal(ego)
-        limits = self._allowed(ego) + np.cumsum(waiting) * ego.step_length
+        limits = self._allowed_seconds(ego) + np.cumsum(waiting) * ego.step_length
         left = ego.trace.max_sim_time - ego.trace.ego_start_times[ego.row]
         allowed: FloatArray = np.minimum(limits, max(left, 0.0))
         return allowed

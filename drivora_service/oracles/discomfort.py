@@ -58,7 +58,7 @@ class Discomfort:
             return not_started(self.name, ego)
         if ego.motion is None:
             return not_measurable(self.name, ego, "The run is too short for the filters.")
-        broken = self.broken(ego.motion)
+        broken = self.find_exceeded_bounds(ego.motion)
         rough = np.any(list(broken.values()), axis=0)
         share = float(rough.mean())
         worst = {
@@ -84,7 +84,7 @@ class Discomfort:
             severity=Severity.OBSERVATION,
         )
 
-    def broken(self, motion: FilteredMotion) -> dict[str, BoolArray]:
+    def find_exceeded_bounds(self, motion: FilteredMotion) -> dict[str, BoolArray]:
         """Returns for each signal the (n,) flags of rows in which it is out of its bounds."""
         ahead = motion.longitudinal_acceleration
         return {

@@ -47,7 +47,7 @@ class FailureToYield:
             *walker_conflicts(ego, attention=self.attention),
         ]
         verdicts = [
-            self._hindered(ego, conflict)
+            self._make_violation(ego, conflict)
             for conflict in sorted(conflicts, key=lambda one: (one.row, one.other))
             if conflict.lag < self.encroachment or conflict.braking >= self.braking
         ]
@@ -60,7 +60,7 @@ class FailureToYield:
         }
         return [passed(self.name, ego, "Hindered no actor with the right of way.", **facts)]
 
-    def _hindered(self, ego: EgoView, conflict: Conflict) -> Verdict:
+    def _make_violation(self, ego: EgoView, conflict: Conflict) -> Verdict:
         other_id = ego.trace.actors[conflict.other].id
         if conflict.lag < self.encroachment:
             how = f"reached its place {conflict.lag:.1f} s later"

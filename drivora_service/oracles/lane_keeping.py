@@ -44,8 +44,8 @@ class LaneKeeping:
     def _judge(self, ego: EgoView) -> Verdict:
         if not ego.count:
             return not_started(self.name, ego)
-        outside, oncoming = self._outside(ego), self._oncoming(ego)
-        wrong = self._lasting(ego, outside | oncoming)
+        outside, oncoming = self._flag_outside(ego), self._flag_oncoming(ego)
+        wrong = self._drop_short_stays(ego, outside | oncoming)
         outside, oncoming = outside & wrong, oncoming & wrong
         distance = float(ego.moved[wrong].sum())
         share = min(distance / ego.route.length, 1.0) if ego.route.length > 0.0 else 0.0
@@ -64,7 +64,7 @@ class LaneKeeping:
             oncoming_distance=float(ego.moved[oncoming].sum()),
         )
 
-    def _lasting(self, ego: EgoView, wrong: BoolArray) -> BoolArray:
+    def _drop_short_stays(self, ego: EgoView, wrong: BoolArray) -> BoolArray:
         """Returns the flags of rows in the stays outside that are long enough to count."""
         lasting = np.zeros_like(wrong)
         for first, last in stretches(wrong):
@@ -73,7 +73,7 @@ class LaneKeeping:
             lasting[first:last] = far and long
         return lasting
 
-    def _outside(self, ego: EgoView) -> BoolArray:
+    def _flag_outside(self, ego: EgoView) -> BoolArray:
         lateral = np.abs(ego.value(EgoCol.LANE_LATERAL))
         outside = lateral > ego.lane_half_widths + self.margin
         off_lanes = np.flatnonzero(ego.lanes < 0)
@@ -82,7 +82,7 @@ class LaneKeeping:
             outside[off_lanes] = outside_distance(ego.network, centres) > self.margin
         return outside
 
-    def _oncoming(self, ego: EgoView) -> BoolArray:
+    def _flag_oncoming(self, ego: EgoView) -> BoolArray:
         turn = ego.states[:, Col.YAW] - ego.value(EgoCol.LANE_HEADING)
         against = np.cos(turn) < 0.0
         oncoming: BoolArray = against & (ego.lanes >= 0) & ~ego.in_junction

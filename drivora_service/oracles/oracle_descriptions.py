@@ -112,7 +112,7 @@ def _threshold(name: str, unit: str, meaning: str, source: str) -> ThresholdDesc
     return ThresholdDescription(name=name, unit=unit, meaning=meaning, source=source)
 
 
-def described(name: str) -> OracleDescription | None:
+def find_description(name: str) -> OracleDescription | None:
     """Returns the description of a built-in oracle; ``None`` for one of a package."""
     return next((one for one in ORACLES if one.name == name), None)
 

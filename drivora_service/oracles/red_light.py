@@ -66,7 +66,7 @@ class RedLight:
         passages = self._passages(ego)
         unclear = sum(passage.shown is None for passage in passages)
         verdicts = [
-            self._violated(ego, passage, passage.shown)
+            self._make_violation(ego, passage, passage.shown)
             for passage in passages
             if passage.shown is not None and passage.shown[passage.tail] == Light.RED
         ]
@@ -82,7 +82,7 @@ class RedLight:
         message = f"Crossed {len(passages)} stop lines, none on red."
         return [passed(self.name, ego, message, **facts)]
 
-    def _violated(self, ego: EgoView, passage: _Passage, shown: ByteArray) -> Verdict:
+    def _make_violation(self, ego: EgoView, passage: _Passage, shown: ByteArray) -> Verdict:
         last = passage.tail
         red_since = last
         while red_since > 0 and shown[red_since - 1] == Light.RED:
@@ -108,7 +108,7 @@ class RedLight:
         for crossing in ego.crossings:
             if crossing.tail is None:
                 continue
-            signalised, shown = _shown(ego, crossing)
+            signalised, shown = _find_signal_state(ego, crossing)
             if not signalised:
                 continue
             same = [
@@ -145,7 +145,7 @@ class RedLight:
         return passages
 
 
-def _shown(ego: EgoView, crossing: Crossing) -> tuple[bool, ByteArray | None]:
+def _find_signal_state(ego: EgoView, crossing: Crossing) -> tuple[bool, ByteArray | None]:
     """Returns whether a line has a signal, and its state by row; ``None`` if that is unknown."""
     all_shown = [signal_shown(ego, way.connection) for way in crossing.ways]
     known = [shown for shown in all_shown if shown is not None]

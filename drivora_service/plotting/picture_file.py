@@ -19,7 +19,7 @@ _DPI = 150
 
 
 @contextmanager
-def picture_file(target: Path, *, width_in: float, height_in: float) -> Iterator[Figure]:
+def open_picture(target: Path, *, width_in: float, height_in: float) -> Iterator[Figure]:
     """Provides an empty figure and writes it when the block ends without an error.
 
     Args:

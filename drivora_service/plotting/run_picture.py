@@ -14,7 +14,7 @@ from drivora_service.plotting.drawn_patches import draw_patches
 from drivora_service.plotting.drawn_road import draw_road
 from drivora_service.plotting.drawn_signals import draw_signals
 from drivora_service.plotting.panel import draw_panel, draw_scale_bar
-from drivora_service.plotting.picture_file import add_map, picture_file
+from drivora_service.plotting.picture_file import add_map, open_picture
 from drivora_service.plotting.picture_view import view_of_run
 from drivora_service.plotting.trails import draw_trails
 from drivora_service.plotting.verdict_marks import draw_marks
@@ -49,7 +49,7 @@ def draw_run(
     marks = marks_of(verdicts)
     width = view.width_in + _PANEL_IN + 3 * _EDGE_IN
     height = view.height_in + 2 * _EDGE_IN
-    with picture_file(target, width_in=width, height_in=height) as figure:
+    with open_picture(target, width_in=width, height_in=height) as figure:
         axes = add_map(figure, view, left_in=_EDGE_IN, bottom_in=_EDGE_IN)
         draw_road(axes, network, view)
         draw_patches(axes, trace)

@@ -14,9 +14,9 @@ from drivora_service.plotting import colors
 from drivora_service.plotting.drawn_road import draw_road
 from drivora_service.plotting.drawn_signals import draw_signals
 from drivora_service.plotting.panel import draw_scale_bar
-from drivora_service.plotting.picture_file import add_map, picture_file
+from drivora_service.plotting.picture_file import add_map, open_picture
 from drivora_service.plotting.picture_view import view_of_run
-from drivora_service.plotting.strip import fitted_title
+from drivora_service.plotting.strip import fit_title
 from drivora_service.plotting.trails import draw_trails
 from drivora_service.plotting.verdict_marks import draw_marks
 
@@ -59,7 +59,7 @@ def draw_side_by_side(left: Side, right: Side, network: RoadNetwork, target: Pat
     view = replace(view, width_in=_MAP_WIDTH_IN, height_in=scale * view.height_in)
     width = 2.0 * view.width_in + 3.0 * _EDGE_IN
     height = view.height_in + 2.0 * _EDGE_IN + _TITLE_IN
-    with picture_file(target, width_in=width, height_in=height) as figure:
+    with open_picture(target, width_in=width, height_in=height) as figure:
         turns = {actor.id: actor.row for actor in left.trace.actors}
         for place, side in enumerate((left, right)):
             at = _EDGE_IN + place * (view.width_in + _EDGE_IN)
@@ -69,7 +69,7 @@ def draw_side_by_side(left: Side, right: Side, network: RoadNetwork, target: Pat
             draw_trails(axes, side.trace, view, by_time=False, turns=turns)
             draw_marks(axes, marks_of(side.verdicts), view)
             draw_scale_bar(axes, view)
-            title, size = fitted_title(side.title, view.width_in)
+            title, size = fit_title(side.title, view.width_in)
             figure.text(
                 at / width,
                 1.0 - (0.5 * _TITLE_IN + 0.5 * _EDGE_IN) / height,

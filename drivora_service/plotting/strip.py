@@ -20,9 +20,9 @@ from drivora_service.plotting.drawn_patches import draw_patches
 from drivora_service.plotting.drawn_road import draw_road
 from drivora_service.plotting.drawn_signals import draw_signals
 from drivora_service.plotting.panel import describe
-from drivora_service.plotting.picture_file import add_map, picture_file
+from drivora_service.plotting.picture_file import add_map, open_picture
 from drivora_service.plotting.picture_view import View
-from drivora_service.plotting.trails import broken_trail
+from drivora_service.plotting.trails import split_trail
 
 MOST_MOMENTS = 12
 _APART_S = 1.0
@@ -118,8 +118,8 @@ def draw_strip(
     moments = choose_moments(trace, verdicts, count)
     width = len(moments.steps) * (_SIDE_IN + _GAP_IN) + _GAP_IN
     height = _SIDE_IN + _TITLE_IN + _FOOT_IN + _GAP_IN
-    with picture_file(target, width_in=width, height_in=height) as figure:
-        title, size = fitted_title(_title(trace, moments), width - 2.0 * _GAP_IN)
+    with open_picture(target, width_in=width, height_in=height) as figure:
+        title, size = fit_title(_title(trace, moments), width - 2.0 * _GAP_IN)
         figure.text(
             _GAP_IN / width,
             1.0 - 0.5 * _TITLE_IN / height,
@@ -175,12 +175,12 @@ def _draw_actors(axes: Axes, trace: Trace, view: View, step: int) -> None:
         color = colors.ego_color(actor.row) if is_ego else colors.ROLES[actor.role]
         z = 6.0 if is_ego else 4.4
         if actor.role is not Role.NPC_OBSTACLE:
-            trail = broken_trail(trace, rows, path)
+            trail = split_trail(trace, rows, path)
             axes.plot(*trail.T, color=color, linewidth=1.4, alpha=0.6, zorder=z - 0.5)
         draw_box(axes, trace, actor, step, view, face=color, edge="white", z=z)
 
 
-def fitted_title(text: str, width_in: float) -> tuple[str, float]:
+def fit_title(text: str, width_in: float) -> tuple[str, float]:
     """Breaks a title into lines of its width, and reduces the font if it is still too high.
 
     Args:

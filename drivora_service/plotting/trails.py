@@ -112,7 +112,7 @@ def _draw_other(axes: Axes, trace: Trace, actor: Actor, rows: RowArray, view: Vi
     path = trace.states[rows, actor.row][:, [Col.X, Col.Y]]
     quiet = actor.role is Role.BACKGROUND
     if actor.role is not Role.NPC_OBSTACLE:
-        trail = broken_trail(trace, rows, path)
+        trail = split_trail(trace, rows, path)
         axes.plot(*trail.T, color=color, linewidth=0.8 if quiet else 1.5, alpha=0.75, zorder=4.0)
         if not quiet:
             draw_box(axes, trace, actor, int(rows[0]), view, face="white", edge=color, z=4.2)
@@ -134,7 +134,7 @@ def entries(trace: Trace, rows: RowArray, path: FloatArray) -> NDArray[np.bool_]
     return np.concatenate(([True], (np.diff(rows) > 1) | jumped))
 
 
-def broken_trail(trace: Trace, rows: RowArray, path: FloatArray) -> FloatArray:
+def split_trail(trace: Trace, rows: RowArray, path: FloatArray) -> FloatArray:
     """Returns a path with a row of NaN, which interrupts a line, before every further entry."""
     breaks = np.flatnonzero(entries(trace, rows, path))[1:]
     return np.insert(path, breaks, np.nan, axis=0)

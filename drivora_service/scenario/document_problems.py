@@ -46,9 +46,9 @@ def structural_problems(error: ValidationError, model: type[BaseModel]) -> list[
     ]
 
 
-def duplicate_ids(content: Mapping[str, Any]) -> list[Problem]:
+def find_duplicate_ids(content: Mapping[str, Any]) -> list[Problem]:
     """Finds actors and patches whose id a preceding one has; skips items that are neither."""
-    return repeated_ids(
+    return find_repeated_ids(
         (pointer((name, index, "id")), actor["id"])
         for name in NAMED_LISTS
         if isinstance(content.get(name), list | tuple)
@@ -57,7 +57,7 @@ def duplicate_ids(content: Mapping[str, Any]) -> list[Problem]:
     )
 
 
-def repeated_ids(ids: Iterable[tuple[str, str]]) -> list[Problem]:
+def find_repeated_ids(ids: Iterable[tuple[str, str]]) -> list[Problem]:
     """Finds repeated ids.
 
     Args:
@@ -160,12 +160,12 @@ def _message(details: ErrorDetails, model: type[BaseModel], *, guess: bool) -> s
     if kind == "extra_forbidden":
         return _unknown_key(details["loc"], model, guess=guess)
     if kind in _EXPECTED:
-        return f"found {_shown(found)}; {_EXPECTED[kind]} is needed"
+        return f"found {_format_value(found)}; {_EXPECTED[kind]} is needed"
     if kind in ("enum", "literal_error"):
-        return f"found {_shown(found)}; allowed: {context['expected']}"
+        return f"found {_format_value(found)}; allowed: {context['expected']}"
     if kind == "string_pattern_mismatch":
         pattern = context["pattern"]
-        return f"found {_shown(found)}; allowed is {PATTERN_MEANINGS.get(pattern, pattern)}"
+        return f"found {_format_value(found)}; allowed is {PATTERN_MEANINGS.get(pattern, pattern)}"
     if kind in ("too_long", "too_short"):
         items = f"found {len(found) or 'no'} {'item' if len(found) < 2 else 'items'}"
         if kind == "too_long":
@@ -173,15 +173,14 @@ def _message(details: ErrorDetails, model: type[BaseModel], *, guess: bool) -> s
         least = context["min_length"]
         return f"{items}; at least {least} {'is' if least == 1 else 'are'} needed"
     if details.get("msg", "").startswith("Input should be "):
-        return (
-            f"found {_shown(found)}; it should be {details['msg'].removeprefix('Input should be ')}"
-        )
+        allowed = details["msg"].removeprefix("Input should be ")
+        return f"found {_format_value(found)}; it should be {allowed}"
     if kind.startswith(("string_", "int_", "float_", "finite_")):
-        return f"found {_shown(found)}; {details['msg']}"
+        return f"found {_format_value(found)}; {details['msg']}"
     return details["msg"]
 
 
-def _shown(value: object) -> str:
+def _format_value(value: object) -> str:
     if value is None or isinstance(value, Mapping | list | tuple):
         return kind_of(value)
     text = repr(value)

@@ -17,7 +17,7 @@ from pydantic import Field, JsonValue, ValidationError
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario import fields
 from drivora_service.scenario.document_problems import (
-    duplicate_ids,
+    find_duplicate_ids,
     in_document_order,
     structural_problems,
 )
@@ -153,7 +153,7 @@ def read_document(
         content=content,
         document=document,
         malformed=tuple(problems),
-        duplicates=tuple(duplicate_ids(content)),
+        duplicates=tuple(find_duplicate_ids(content)),
     )
 
 

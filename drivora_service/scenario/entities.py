@@ -41,7 +41,7 @@ class EntityDocument(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-def _bounded(data: dict[str, JsonValue]) -> dict[str, JsonValue]:
+def _check_size(data: dict[str, JsonValue]) -> dict[str, JsonValue]:
     size = len(json.dumps(data))
     if size > MAX_FREE_DATA_BYTES:
         raise PydanticCustomError(
@@ -52,7 +52,7 @@ def _bounded(data: dict[str, JsonValue]) -> dict[str, JsonValue]:
     return data
 
 
-FreeData = AfterValidator(_bounded)
+FreeData = AfterValidator(_check_size)
 """Bounds the size of data that Drivora carries without interpreting it."""
 
 

@@ -115,11 +115,11 @@ def inspect_data(
         problems=in_document_order(problems, read.content),
         notes=() if problems else validate_data(read.content, networks, agents).notes,
         town=town,
-        actors=() if checked is None else _inspected(checked, doubts),
+        actors=() if checked is None else _inspect_actors(checked, doubts),
     )
 
 
-def _inspected(checked: Checked, doubts: Doubts) -> tuple[InspectedActor, ...]:
+def _inspect_actors(checked: Checked, doubts: Doubts) -> tuple[InspectedActor, ...]:
     network = checked.network
     if network is None or doubts.cover("/frame"):
         return ()
@@ -153,11 +153,11 @@ def _actor(
         yaw=yaw,
         length=model.length,
         width=model.width,
-        path=_thinned(_path(actor, network)),
+        path=_thin(_path(actor, network)),
     )
 
 
-def _thinned(path: FloatArray) -> FloatArray:
+def _thin(path: FloatArray) -> FloatArray:
     """Returns a path without the points that do not matter on a map."""
     if len(path) < 3:
         return path

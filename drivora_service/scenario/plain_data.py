@@ -56,7 +56,7 @@ def plain_data(
             language, or not an object with text keys.
     """
     if isinstance(data, str | bytes):
-        text = decoded(data, most_bytes if format == "json" else MAX_YAML_BYTES)
+        text = decode_text(data, most_bytes if format == "json" else MAX_YAML_BYTES)
         content = _from_json(text) if format == "json" else _from_yaml(text)
     else:
         content = dict(data)
@@ -84,7 +84,7 @@ def refusal(code: str, message: str) -> InvalidDocument:
     return InvalidDocument((Problem(pointer="", code=code, message=message),))
 
 
-def decoded(data: str | bytes, limit: int) -> str:
+def decode_text(data: str | bytes, limit: int) -> str:
     """Returns the text of at most ``limit`` bytes of UTF-8, without a byte-order mark."""
     if len(data) > limit:
         raise refusal("too_large", f"found {len(data)} bytes; at most {limit} are allowed")

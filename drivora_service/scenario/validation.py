@@ -19,9 +19,9 @@ from drivora_service.scenario.checks.scenario_checks import check, snap_start
 from drivora_service.scenario.checks.value_bounds import is_within_bounds
 from drivora_service.scenario.conversion import DEFAULT_AGENT, to_scenario
 from drivora_service.scenario.document_problems import (
-    duplicate_ids,
+    find_duplicate_ids,
+    find_repeated_ids,
     in_document_order,
-    repeated_ids,
 )
 from drivora_service.scenario.documents import ScenarioDocument, read_document
 from drivora_service.scenario.exporting import document_content
@@ -72,7 +72,7 @@ def validate_data(
     """
     read = read_document(data, format)
     if read.document is not None and not read.malformed:
-        return _validated(read.document, read.duplicates, read.content, networks, agents, driven_by)
+        return _validate(read.document, read.duplicates, read.content, networks, agents, driven_by)
     draft = make_whole(read.content, read.malformed)
     problems = read.malformed
     if draft is not None:
@@ -97,7 +97,7 @@ def validate_document(
         NetworkError: The town's network file cannot be read.
     """
     content = document.model_dump()
-    return _validated(document, duplicate_ids(content), content, networks, agents, "")
+    return _validate(document, find_duplicate_ids(content), content, networks, agents, "")
 
 
 def scenario_problems(
@@ -130,12 +130,12 @@ def scenario_problems(
     checked = check(scenario, networks, agents, "", Doubts(), routes)
     ids = [(f"{actor.pointer}/id", actor.id) for actor in checked.actors]
     ids += [(f"/friction_patches/{n}/id", p.id) for n, p in enumerate(scenario.friction_patches)]
-    duplicates = repeated_ids(ids)
+    duplicates = find_repeated_ids(ids)
     problems = (*duplicates, *checked.problems)
     return in_document_order(problems, document_content(scenario)) if problems else ()
 
 
-def _validated(
+def _validate(
     document: ScenarioDocument,
     duplicates: Sequence[Problem],
     content: Mapping[str, Any],

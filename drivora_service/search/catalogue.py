@@ -129,7 +129,7 @@ def selection_plugins() -> PluginTable[SelectionPlugin]:
     )
 
 
-def components_named(*, mutation: str = "", selection: str = "") -> Components:
+def make_components(*, mutation: str = "", selection: str = "") -> Components:
     """Makes the components that a campaign names; "" keeps the tester's own.
 
     Raises:

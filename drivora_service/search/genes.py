@@ -253,7 +253,7 @@ class GeneSpace:
     def sample(self, random: np.random.Generator, count: int | None = None) -> FloatArray:
         """Draws uniformly: (d,), or (count, d). Whole genes are drawn with both bounds included."""
         shape = (len(self),) if count is None else (count, len(self))
-        return self.scaled(random.random(shape))
+        return self.scale_in_place(random.random(shape))
 
     def clip(self, values: FloatArray) -> FloatArray:
         """Rounds whole genes and clips every value to its bounds; (..., d)."""
@@ -273,9 +273,9 @@ class GeneSpace:
 
     def from_unit(self, unit: FloatArray) -> FloatArray:
         """Maps 0..1 (..., d) to values; whole genes have cells of equal width."""
-        return self.scaled(np.clip(unit, 0.0, 1.0))
+        return self.scale_in_place(np.clip(unit, 0.0, 1.0))
 
-    def scaled(self, unit: FloatArray) -> FloatArray:
+    def scale_in_place(self, unit: FloatArray) -> FloatArray:
         """Maps 0..1 (..., d), which it overwrites, to values: ``from_unit`` without a check."""
         unit *= self._widths
         unit += self.lows

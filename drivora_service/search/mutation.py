@@ -32,7 +32,7 @@ def effective_genes(values: FloatArray, space: GeneSpace) -> BoolArray:
     return effective
 
 
-def redrawn(
+def redraw_genes(
     values: FloatArray, space: GeneSpace, random: np.random.Generator, which: BoolArray
 ) -> FloatArray:
     """Returns a copy in which some genes are redrawn; whole genes get a different value.
@@ -46,11 +46,11 @@ def redrawn(
     drawn = random.random(len(space))
     steps = 1.0 + np.floor(drawn * space.at_least_one)
     other = space.lows + (values - space.lows + steps) % space.cells
-    fresh = np.where(space.is_whole, other, space.scaled(drawn))
+    fresh = np.where(space.is_whole, other, space.scale_in_place(drawn))
     return np.where(which & space.varies, fresh, values)
 
 
-def shifted(
+def shift_genes(
     values: FloatArray,
     space: GeneSpace,
     random: np.random.Generator,
@@ -105,8 +105,8 @@ class GaussianMutation:
         if effective.any() and not which.any():
             which[random.choice(np.flatnonzero(effective))] = True
         sigma = self.sigma * strength * space.ranges
-        moved = shifted(values, space, random, which & ~space.is_category, sigma)
-        return redrawn(moved, space, random, which & space.is_category)
+        moved = shift_genes(values, space, random, which & ~space.is_category, sigma)
+        return redraw_genes(moved, space, random, which & space.is_category)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,7 +124,7 @@ class RedrawGene:
         """Returns a changed copy."""
         choices = np.flatnonzero(effective_genes(values, space))
         chosen = random.permutation(choices)[: _number(strength, random)]
-        return redrawn(values, space, random, _mask(chosen, space))
+        return redraw_genes(values, space, random, _mask(chosen, space))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,7 +153,7 @@ class RedrawBlock:
                 changed[block.start] = 1.0
             if np.array_equal(changed[block.slice], values[block.slice]):
                 all_of_it = _mask(range(block.start, block.stop), space)
-                changed = redrawn(changed, space, random, all_of_it)
+                changed = redraw_genes(changed, space, random, all_of_it)
         return changed
 
 
@@ -184,7 +184,7 @@ class RedrawSlice:
                 slices = ((block.start,),)
             genes = slices[random.integers(len(slices))]
             chosen = genes[random.integers(len(genes))]
-            changed = redrawn(changed, space, random, _mask([chosen], space))
+            changed = redraw_genes(changed, space, random, _mask([chosen], space))
         return changed
 
 

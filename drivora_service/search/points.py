@@ -38,7 +38,7 @@ class ActorPoints:
         """Returns candidates (n, d) as points (n, k)."""
         found = np.zeros((len(values), self._width))
         found[:, : len(self._magnitudes)] = self._shares(values)
-        found[np.arange(len(values))[:, None], self._chosen(values)] = self._choice
+        found[np.arange(len(values))[:, None], self._find_columns(values)] = self._choice
         return found
 
     def mean_squares(
@@ -60,7 +60,7 @@ class ActorPoints:
         found += float(lows @ (linear - lows / scales**2))
         if self._presence is not None:
             found[values[:, self._presence] == 0.0] = 0.0
-        for column in self._chosen(values).T:
+        for column in self._find_columns(values).T:
             found += (self._choice * (self._choice - 2.0 * mean)).take(column)
         found += weights @ np.einsum("ij,ij->i", others, others)
         return np.maximum(found, 0.0, out=found)
@@ -75,7 +75,7 @@ class ActorPoints:
         shares /= self._root
         return shares
 
-    def _chosen(self, values: FloatArray) -> IntArray:
+    def _find_columns(self, values: FloatArray) -> IntArray:
         """Returns the coordinate of the value of each category (n, ...)."""
         chosen = (values.take(self._categories, axis=1) + self._numbers).astype(np.int64)
         if self._presence is not None:

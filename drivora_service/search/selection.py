@@ -33,7 +33,7 @@ def crowding_distances(objectives: FloatArray) -> FloatArray:
 
     Source: Deb et al., "A fast and elitist multiobjective genetic algorithm: NSGA-II" (2002).
     """
-    return _crowding(measurable(objectives), np.zeros(len(objectives), dtype=np.int64))
+    return _compute_crowding(measurable(objectives), np.zeros(len(objectives), dtype=np.int64))
 
 
 def best_first(objectives: FloatArray) -> IntArray:
@@ -49,7 +49,7 @@ def best_first(objectives: FloatArray) -> IntArray:
         return np.argsort(numbers[:, 0], kind="stable")
     ranks = _ranks(numbers)
     if np.isfinite(objectives).all():
-        rooms = _crowding(numbers, ranks)
+        rooms = _compute_crowding(numbers, ranks)
     else:
         # A value that is not measurable is worse than those of its own front.
         rooms = np.empty(len(numbers))
@@ -79,7 +79,7 @@ def _ranks(numbers: FloatArray) -> IntArray:
         ranks += better >= 0.0
 
 
-def _crowding(numbers: FloatArray, ranks: IntArray) -> FloatArray:
+def _compute_crowding(numbers: FloatArray, ranks: IntArray) -> FloatArray:
     """Returns the crowding distance (n,) of each candidate in its front.
 
     Candidates of a front of up to two are all ends. An objective in which all of a front are equal
@@ -126,16 +126,16 @@ def measurable(objectives: FloatArray) -> FloatArray:
     return np.where(finite, objectives, worse)
 
 
-def drawn_by(chances: FloatArray, count: int, random: np.random.Generator) -> IntArray:
+def draw_by_probability(chances: FloatArray, count: int, random: np.random.Generator) -> IntArray:
     """Draws ``count`` numbers of candidates by their probabilities (n,).
 
     The draws are those of ``Generator.choice``, without its checks, which take several times as
     long.
     """
-    return cumulated(chances).searchsorted(random.random(count), side="right")
+    return cumulate_probabilities(chances).searchsorted(random.random(count), side="right")
 
 
-def cumulated(chances: FloatArray) -> FloatArray:
+def cumulate_probabilities(chances: FloatArray) -> FloatArray:
     """Returns the sums (n,) of the probabilities up to each candidate, the last of which is 1."""
     sums = chances.cumsum()
     sums /= sums[-1]
@@ -194,7 +194,7 @@ class Roulette:
     def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:
         """Chooses from candidates."""
         chances = self.chances(objectives)
-        drawn = drawn_by(chances, count, random)
+        drawn = draw_by_probability(chances, count, random)
         return drawn[np.argsort(-chances[drawn], kind="stable")]
 
     def chances(self, objectives: FloatArray) -> FloatArray:

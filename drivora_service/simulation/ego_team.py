@@ -19,7 +19,7 @@ from drivora_service.agents.interface import (
 )
 from drivora_service.agents.log import AgentLog
 from drivora_service.agents.sumo_driver import SumoDriver
-from drivora_service.compilation import settled
+from drivora_service.compilation import specialize
 from drivora_service.errors import AgentError
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.observations.trace import Col, Light, TerminalEvent
@@ -154,7 +154,7 @@ class EgoTeam:
         try:
             agent.setup_env(context)
         except (Exception, SystemExit) as error:
-            raise _agent_failed(plan.ego.id, plan.ego.agent.name, "setup_env", error) from error
+            raise _make_agent_error(plan.ego.id, plan.ego.agent.name, "setup_env", error) from error
         self._cells[0], self._cells[1] = RunPhase.SIMULATING, 0
 
     def _columns_of(self, log: AgentLog) -> IntArray | slice:
@@ -226,12 +226,12 @@ class EgoTeam:
                         world.logs[step, m, columns] = log.row
                 except (Exception, SystemExit) as error:
                     where = f"run_step at {time:.2f} s"
-                    raise _agent_failed(ego.ego.id, ego.ego.agent.name, where, error) from error
+                    raise _make_agent_error(ego.ego.id, ego.ego.agent.name, where, error) from error
                 cells[0] = _SIMULATING
             try:
                 self.modes[m] = write_command(control, ego.model, self._step_length, command)
             except (AgentError, ArithmeticError, TypeError, ValueError) as error:
-                raise _control_refused(ego.ego.id, ego.ego.agent.name, time, error) from error
+                raise _make_control_error(ego.ego.id, ego.ego.agent.name, time, error) from error
             if isinstance(control, TrajectoryControl):
                 log.plan(np.asarray(control.points)[:, 1:3])
 
@@ -245,7 +245,7 @@ class EgoTeam:
         )  # fmt: skip
         if self._perceive is perceive:
             # Later calls have arguments of the same types.
-            self._perceive = settled(perceive)
+            self._perceive = specialize(perceive)
         views = self._views[m]
         if count != len(views[0]):
             views = (objects[:count], sizes[:count], numbers[0, :count], numbers[1, :count])
@@ -289,7 +289,7 @@ class EgoTeam:
             self.in_world[m] = False
 
 
-def _control_refused(ego: str, agent: str, time: float, error: Exception) -> AgentError:
+def _make_control_error(ego: str, agent: str, time: float, error: Exception) -> AgentError:
     return AgentError(
         f"control of ego {ego!r} by agent {agent!r} at {time:.2f} s: {error}",
         cause="agent_invalid_control",
@@ -297,7 +297,7 @@ def _control_refused(ego: str, agent: str, time: float, error: Exception) -> Age
     )
 
 
-def _agent_failed(ego: str, agent: str, where: str, error: BaseException) -> AgentError:
+def _make_agent_error(ego: str, agent: str, where: str, error: BaseException) -> AgentError:
     if isinstance(error, AgentError):
         return error
     return AgentError(

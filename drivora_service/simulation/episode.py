@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drivora_service.agents.interface import Agent, Control
 from drivora_service.agents.sumo_driver import SumoDriver, common_lane_change_model
-from drivora_service.compilation import settled
+from drivora_service.compilation import specialize
 from drivora_service.errors import SimulatorError
 from drivora_service.observations.trace import Actor, Col, Contact, Role, TerminalEvent, Trace
 from drivora_service.scenario.model import (
@@ -176,7 +176,7 @@ class Episode:
         self._make_kernel, self._finish_kernel = make_frame, finish_frame
         self._make_first_frame()
         # Later frames have arguments of the same types.
-        self._make_kernel, self._finish_kernel = settled(make_frame), settled(finish_frame)
+        self._make_kernel, self._finish_kernel = specialize(make_frame), specialize(finish_frame)
 
     @property
     def time(self) -> float:

@@ -230,7 +230,7 @@ class SumoWorld:
         follows_route: bool,
     ) -> MovedActor:
         """Adds a vehicle that will be placed every step; the first placement inserts it."""
-        vehicle_type = self._sized_type(_MOVED_TYPE, length, width, is_walker)
+        vehicle_type = self._ensure_type(_MOVED_TYPE, length, width, is_walker)
         self._add(actor_id, edges, vehicle_type)
         libsumo.vehicle.setSpeedMode(actor_id, 0)
         libsumo.vehicle.setLaneChangeMode(actor_id, 0)
@@ -250,7 +250,7 @@ class SumoWorld:
             length: Metres.
             width: Metres.
         """
-        self._add(stand_in_id, edges, self._sized_type(_MOVED_TYPE, length, width, False))
+        self._add(stand_in_id, edges, self._ensure_type(_MOVED_TYPE, length, width, False))
         libsumo.vehicle.setSpeedMode(stand_in_id, 0)
         libsumo.vehicle.setLaneChangeMode(stand_in_id, 0)
         libsumo.vehicle.setSpeed(stand_in_id, 0.0)
@@ -281,7 +281,7 @@ class SumoWorld:
         It leaves with its front bumper at ``arrival`` metres of its last lane; ``None`` is the end
         of that lane. SUMO chooses a speed that is safe there; any other may be refused.
         """
-        vehicle_type = self._sized_type(driver, length, width, is_walker=False)
+        vehicle_type = self._ensure_type(driver, length, width, is_walker=False)
         self._add(
             actor_id,
             edges,
@@ -302,7 +302,7 @@ class SumoWorld:
         except libsumo.TraCIException as error:
             raise SimulatorError(f"SUMO rejects {actor_id!r}: {error}") from error
 
-    def _sized_type(self, base: str, length: float, width: float, is_walker: bool) -> str:
+    def _ensure_type(self, base: str, length: float, width: float, is_walker: bool) -> str:
         name = f"{base}:{length:.3f}x{width:.3f}{':walker' if is_walker else ''}"
         if name not in self._types:
             libsumo.vehicletype.copy(base, name)
@@ -325,7 +325,7 @@ class SumoWorld:
 
     def hand_over(self, actor: MovedActor, speed: float, driver: str) -> DrivenActor:
         """Lets SUMO drive a vehicle that was moved until now, from ``speed`` m/s on."""
-        driven = self._sized_type(driver, 2.0 * actor.half_length, actor.width, is_walker=False)
+        driven = self._ensure_type(driver, 2.0 * actor.half_length, actor.width, is_walker=False)
         libsumo.vehicle.setType(actor.id, driven)
         libsumo.vehicle.setSpeed(actor.id, -1.0)
         libsumo.vehicle.setPreviousSpeed(actor.id, speed)
@@ -437,7 +437,7 @@ class SumoWorld:
             state[8] = height
             present[row] = True
 
-    def remaining_edges(self, actor_id: str) -> int:
+    def count_remaining_edges(self, actor_id: str) -> int:
         """Returns the number of edges ahead on a vehicle's route."""
         route = libsumo.vehicle.getRoute(actor_id)
         return len(route) - 1 - int(libsumo.vehicle.getRouteIndex(actor_id))
@@ -452,7 +452,7 @@ class SumoWorld:
         """Returns the last edge of a vehicle's route."""
         return str(libsumo.vehicle.getRoute(actor_id)[-1])
 
-    def known(self) -> frozenset[str]:
+    def known_ids(self) -> frozenset[str]:
         """Returns the ids of the vehicles that are on the road or wait to enter it."""
         return frozenset(libsumo.vehicle.getLoadedIDList())
 

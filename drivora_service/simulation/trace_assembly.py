@@ -87,7 +87,7 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
         values[here, m, EgoCol.LANE_LATERAL] = np.where(on_lane, found.lateral, np.nan)
         values[here, m, EgoCol.LANE_HEADING] = np.where(on_lane, found.heading, np.nan)
 
-    def kept(frames: NDArray[_Item]) -> NDArray[_Item]:
+    def copy_unless_over(frames: NDArray[_Item]) -> NDArray[_Item]:
         return frames if record.is_over else frames.copy()
 
     names: list[str] = []
@@ -111,11 +111,11 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
         step_length=dt,
         times=times,
         actors=tuple(world.actors),
-        states=kept(world.states[:rows]),
-        present=kept(world.present[:rows]),
+        states=copy_unless_over(world.states[:rows]),
+        present=copy_unless_over(world.present[:rows]),
         ego_values=values,
         ego_lanes=lanes,
-        ego_lights=kept(world.ego_lights[:rows]),
+        ego_lights=copy_unless_over(world.ego_lights[:rows]),
         ego_routes=tuple(
             EgoRoute(
                 line=ego.route.line,
@@ -138,7 +138,7 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
             index: plan.network.lanes[index].id for index in np.unique(lanes).tolist() if index >= 0
         },
         log_names=record.log_names,
-        log_values=kept(world.logs[:rows]),
+        log_values=copy_unless_over(world.logs[:rows]),
         log_events=tuple(
             LogEvent(step=step, ego=m, message=message)
             for m, log in enumerate(record.logs)
@@ -161,8 +161,8 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
             "seed": plan.scenario.seed,
             FRICTION: plan.weather.friction,
             PERCEPTION_RANGE: plan.weather.perception_range,
-            **({PATCHES_KEY: [p.recorded() for p in plan.patches]} if plan.patches else {}),
-            **changed_conditions(record.weather_changes),
+            **({PATCHES_KEY: [p.to_record() for p in plan.patches]} if plan.patches else {}),
+            **encode_weather_changes(record.weather_changes),
         },
     )
 
@@ -183,7 +183,7 @@ def _references(egos: Sequence[EgoVehicle]) -> tuple[FloatArray, ...]:
     )
 
 
-def changed_conditions(changes: Sequence[tuple[int, WeatherEffects]]) -> dict[str, Any]:
+def encode_weather_changes(changes: Sequence[tuple[int, WeatherEffects]]) -> dict[str, Any]:
     """Returns what the trace tells of changes of the weather; nothing if there are none."""
     if not changes:
         return {}

@@ -51,7 +51,7 @@ class CommandDatabase:
         """
         with self._opening:
             if self._database is None:
-                self._database = self._opened()
+                self._database = self._open()
             return self._database
 
     def close(self) -> None:
@@ -59,7 +59,7 @@ class CommandDatabase:
         if self._database is not None:
             self._database.close()
 
-    def _opened(self) -> Database:
+    def _open(self) -> Database:
         if self._makes_data:
             make_data_folder(self._data_dir)
         else:

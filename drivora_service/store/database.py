@@ -244,7 +244,7 @@ class Database:
         Else every thread of the service could end up waiting here while another process has locked
         the database, and none would be left for reading.
         """
-        if not self._acquired():
+        if not self._acquire():
             raise StoreUnavailable("the database is busy with other writes; try again")
         self._writing_since = time.monotonic()
         try:
@@ -252,7 +252,7 @@ class Database:
         finally:
             self._writing.release()
 
-    def _acquired(self) -> bool:
+    def _acquire(self) -> bool:
         """Waits for the lock; gives up early if many threads wait for a stuck writer."""
         until = time.monotonic() + self._patience_s
         with self._counting:
@@ -288,7 +288,7 @@ def database_file(url: str) -> Path | None:
     Raises:
         StoreError: The address cannot be used.
     """
-    parsed = _parsed(url)
+    parsed = _parse_url(url)
     return Path(parsed.database or "") if parsed.get_backend_name() == "sqlite" else None
 
 
@@ -312,7 +312,7 @@ def open_database(
         Conflict: It is to be migrated, and a server or a command works on it.
         StoreError: It cannot be opened, or was written by a newer version.
     """
-    parsed = _parsed(url)
+    parsed = _parse_url(url)
     file = database_file(url)
     if file is not None:
         make_data_folder(file.parent)
@@ -347,7 +347,7 @@ def make_data_folder(folder: Path) -> None:
         ) from error
 
 
-def _parsed(url: str) -> URL:
+def _parse_url(url: str) -> URL:
     try:
         parsed = make_url(url)
     except (ArgumentError, ValueError):

@@ -54,7 +54,7 @@ def migrate(engine: Engine, *, before_migration: Callable[[], None] = lambda: No
     current = schema_version(engine)
     if current == newest_revision():
         return
-    if not current and engine.dialect.name == "sqlite" and _made(engine):
+    if not current and engine.dialect.name == "sqlite" and _make_schema_if_empty(engine):
         return
     script = _scripts()
     known = {revision.revision for revision in script.walk_revisions()}
@@ -96,7 +96,7 @@ def upgrade(
             give_types_of_sqlite(connection)
 
 
-def _made(engine: Engine) -> bool:
+def _make_schema_if_empty(engine: Engine) -> bool:
     """Makes the newest schema in an empty database; returns whether it was empty.
 
     It is that which all migrations lead to, up to the order of columns, in a tenth of the time.

@@ -139,17 +139,17 @@ def _read_all(
                     valid[one] = _read(document, one, catalogues)
                     if agent == 0:
                         # What the space and the tester refuse does not depend on the agent.
-                        genes = max(genes, _searched_genes(valid[one], catalogues))
+                        genes = max(genes, _count_genes(valid[one], catalogues))
                 except InvalidDocument as error:
                     for problem in error.problems:
-                        placed, part = _placed(problem, document, one)
+                        placed, part = _place_problem(problem, document, one)
                         problems[placed] = None
                         if part in dict(places):
                             refused.add((part, dict(places)[part]))
     return valid, genes, list(problems)
 
 
-def _searched_genes(valid: ValidCampaign, catalogues: Catalogues) -> int:
+def _count_genes(valid: ValidCampaign, catalogues: Catalogues) -> int:
     """Makes the search of a campaign, and returns the number of its genes."""
     # Imported here: it needs the code of all testers.
     from drivora_service.campaigns.search.search_preparation import prepare_search
@@ -175,7 +175,9 @@ def _read(document: StudyDocument, one: _Combination, catalogues: Catalogues) ->
     return read_campaign(content, catalogues)
 
 
-def _placed(problem: Problem, document: StudyDocument, one: _Combination) -> tuple[Problem, str]:
+def _place_problem(
+    problem: Problem, document: StudyDocument, one: _Combination
+) -> tuple[Problem, str]:
     """Returns a problem of a campaign at its place in the study, and the part that it is of."""
     _, _, rest = problem.pointer.partition("/")
     key, slash, inside = rest.partition("/")

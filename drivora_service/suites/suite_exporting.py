@@ -69,7 +69,7 @@ def export_scenarios(folder: Path, scenarios: Iterable[FoundScenario], *, name: 
         OSError: A file cannot be written.
     """
     inside = folder / _FOLDER
-    known = _known_hashes(inside)
+    known = _read_hashes(inside)
     taken = {path.stem for path in inside.glob("*")} if inside.is_dir() else set()
     inside.mkdir(parents=True, exist_ok=True)
     added: list[Path] = []
@@ -111,7 +111,7 @@ def _with_expectations(one: FoundScenario) -> ScenarioDocument:
     return one.document.model_copy(update={"extensions": extensions})
 
 
-def _known_hashes(folder: Path) -> set[str]:
+def _read_hashes(folder: Path) -> set[str]:
     known: set[str] = set()
     for path in sorted(folder.glob("*.json")) if folder.is_dir() else ():
         try:

@@ -142,12 +142,12 @@ def find_failures(
         events = [
             (run, _first_of_each(_events(run, scenario, counted, oracles))) for run in judgeable
         ]
-        known += _known(scenario, events)
+        known += _find_known_occurrences(scenario, events)
         for run, found in events:
             for event in found:
                 if not is_known(scenario, run, event.key):
                     before = failures.get(event.key)
-                    failures[event.key] = _joined(before, event, run, of=len(judgeable))
+                    failures[event.key] = _add_event(before, event, run, of=len(judgeable))
     return Found(failures=failures, known=tuple(known), judged=judged, unfinished=tuple(unfinished))
 
 
@@ -251,7 +251,7 @@ def _first_of_each(events: Iterable[_Event]) -> list[_Event]:
     return list(first.values())
 
 
-def _joined(before: Failure | None, event: _Event, run: SuiteRun, *, of: int) -> Failure:
+def _add_event(before: Failure | None, event: _Event, run: SuiteRun, *, of: int) -> Failure:
     seeds = () if run.seed is None else (run.seed,)
     if before is None:
         return Failure(
@@ -274,7 +274,7 @@ def _joined(before: Failure | None, event: _Event, run: SuiteRun, *, of: int) ->
     )
 
 
-def _known(
+def _find_known_occurrences(
     scenario: SuiteScenario, events: Sequence[tuple[SuiteRun, Sequence[_Event]]]
 ) -> Iterable[KnownOccurrence]:
     for known in scenario.known_failures:

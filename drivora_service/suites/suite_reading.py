@@ -53,7 +53,7 @@ def read_suite(
     document, content, odd = read_structure(
         data, SuiteDocument, format, what="a suite", most_bytes=_MOST_BYTES
     )
-    carried, problems = _carried(document)
+    carried, problems = _read_carried_expectations(document)
     problems += [
         *odd,
         *_repeated_names(document),
@@ -74,7 +74,9 @@ def read_suite(
 _NO_EXPECTATIONS = ExpectationsDocument()
 
 
-def _carried(document: SuiteDocument) -> tuple[list[ExpectationsDocument], list[Problem]]:
+def _read_carried_expectations(
+    document: SuiteDocument,
+) -> tuple[list[ExpectationsDocument], list[Problem]]:
     """Reads the expectations that the scenarios carry themselves."""
     carried: list[ExpectationsDocument] = []
     problems: list[Problem] = []

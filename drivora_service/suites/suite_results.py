@@ -117,10 +117,10 @@ class SuiteResults(Shape):
 
 def scenario_hash(document: ScenarioDocument) -> str:
     """Returns the hash by which a changed scenario of a suite is noticed."""
-    return hashlib.sha256(document_text(driven_document(document)).encode()).hexdigest()
+    return hashlib.sha256(document_text(remove_expectations(document)).encode()).hexdigest()
 
 
-def driven_document(document: ScenarioDocument) -> ScenarioDocument:
+def remove_expectations(document: ScenarioDocument) -> ScenarioDocument:
     """Returns a scenario without what it says on expectations: they are no part of a run."""
     kept = {key: value for key, value in document.extensions.items() if key != EXTENSION}
     return document.model_copy(update={"extensions": kept})

@@ -172,7 +172,7 @@ class TesterContract:
         assert len(self.play(self.create(), 60, 4, fail)) == 60
 
     def test_it_goes_on_where_many_are_invalid_or_not_measurable(self) -> None:
-        def mixed(number: int, proposal: Proposal) -> Evaluation:
+        def evaluate_mixed(number: int, proposal: Proposal) -> Evaluation:
             if number % 3 == 0:
                 return Evaluation(number=number, proposal=proposal, status=EvaluationStatus.INVALID)
             if number % 3 == 1:
@@ -188,7 +188,7 @@ class TesterContract:
                 )
             return self.judged(number, proposal)
 
-        assert len(self.play(self.create(), 60, 4, mixed)) == 60
+        assert len(self.play(self.create(), 60, 4, evaluate_mixed)) == 60
 
     def test_it_goes_on_where_no_gene_had_an_effect(self) -> None:
         idle = tuple(range(len(self.space())))

@@ -168,7 +168,7 @@ def record_runs(
     )
 
 
-def held_out_samples(recipe: Recipe, runs: int, traffic: Traffic | None = None) -> Samples:
+def record_held_out_samples(recipe: Recipe, runs: int, traffic: Traffic | None = None) -> Samples:
     """Records the expert alone in held-out runs; fewer runs are the first ones of more.
 
     Args:
@@ -187,7 +187,7 @@ def train(recipe: Recipe) -> PlantWeights | AdMlpWeights:
     torch.manual_seed(0)
     torch.use_deterministic_algorithms(True)
     held_out = [
-        (stage.traffic, held_out_samples(recipe, recipe.held_out, stage.traffic))
+        (stage.traffic, record_held_out_samples(recipe, recipe.held_out, stage.traffic))
         for stage in recipe.stages
         if not stage.with_learner
     ]

@@ -10,7 +10,7 @@ from drivora_service.runs.candidate import Candidate, CandidateSource, SpaceSour
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.source import space_of
 from drivora_service.search.space.space_candidates import ScenarioCandidates
-from drivora_service.simulation.followers.free_motion import planned_motions
+from drivora_service.simulation.followers.free_motion import plan_motions
 from drivora_service.worker.setup import WorkerSetup
 from drivora_service.worker.worker_catalogues import agents_of, networks_of
 
@@ -45,5 +45,5 @@ def _candidates(space: SpaceSource, setup: WorkerSetup) -> ScenarioCandidates:
         space=space_of(space, networks),
         networks=networks,
         agents=frozenset(agents_of(setup).names()),
-        motions=planned_motions,
+        motions=plan_motions,
     )

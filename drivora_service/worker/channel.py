@@ -131,7 +131,7 @@ class Channel:
         """Takes a whole message out of the received bytes."""
         if len(self._coming) < _HEADER.size:
             return None
-        kind, length = _checked_header(self._coming)
+        kind, length = _parse_header(self._coming)
         if length > LONGEST_BODY:
             raise ProtocolError(f"a message of {length} bytes; allowed: {LONGEST_BODY}")
         end = _HEADER.size + length
@@ -190,7 +190,7 @@ def receive(end: socket.socket) -> Frame:
         ChannelClosedError: The slot has closed its end.
         ProtocolError: The bytes are no message.
     """
-    kind, length = _checked_header(_exactly(end, _HEADER.size))
+    kind, length = _parse_header(_exactly(end, _HEADER.size))
     return Frame(kind, bytes(_exactly(end, length)))
 
 
@@ -208,7 +208,7 @@ def _exactly(end: socket.socket, count: int) -> bytearray:
     return found
 
 
-def _checked_header(data: bytearray) -> tuple[Kind, int]:
+def _parse_header(data: bytearray) -> tuple[Kind, int]:
     magic, kind, length = _HEADER.unpack_from(data)
     if magic != _MAGIC:
         raise ProtocolError(f"found {bytes(magic)!r} where a message begins; expected {_MAGIC!r}")

@@ -148,12 +148,12 @@ class Snapshot:
 
 
 @lru_cache(maxsize=1)
-def judging_code() -> Snapshot:
+def snapshot_judging_code() -> Snapshot:
     """Returns this process's snapshot; the first call takes it."""
     return Snapshot()
 
 
-def sentence(changes: tuple[str, ...], by: str) -> str:
+def describe_code_changes(changes: tuple[str, ...], by: str) -> str:
     """Returns the message for a run in which an agent or plug-in changed the judging code.
 
     Args:

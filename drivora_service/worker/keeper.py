@@ -58,10 +58,10 @@ class HandedFile:
     def __reduce__(self) -> tuple[Any, ...]:
         # Made while the process is being started: at any other time it would be offered by a thread
         # of this process, to whichever process asks for it.
-        return _arrived, (DupFd(self._file),)
+        return _rebuild_file, (DupFd(self._file),)
 
 
-def _arrived(handed: Any) -> HandedFile:
+def _rebuild_file(handed: Any) -> HandedFile:
     return HandedFile(handed.detach())
 
 

@@ -108,11 +108,11 @@ def _report(spec: RunSpec, perform: Perform, task: WorkerTask, board: ProgressBo
     """Performs one run; an exception becomes its report."""
     try:
         if spec.candidate is not None:
-            candidate = _prepared(spec.candidate, task, board)
+            candidate = _prepare_candidate(spec.candidate, task, board)
             # Before the simulation, which the process may not survive.
             board.leave(note_of_candidate(candidate, spec.run_id))
             if candidate.problem:
-                return _invalid(spec, candidate.problem)
+                return _make_invalid_report(spec, candidate.problem)
             repaired = replace(spec.candidate, values=candidate.values)
             # An adversary acts while the run is performed.
             acts = spec.candidate.adversary is not None
@@ -124,15 +124,17 @@ def _report(spec: RunSpec, perform: Perform, task: WorkerTask, board: ProgressBo
             )
         return perform(spec, task.setup, board)
     except SimulatorError as error:
-        return _raised(spec, RunStatus.SIMULATOR_CRASHED, SIMULATOR_ERROR, error)
+        return _make_exception_report(spec, RunStatus.SIMULATOR_CRASHED, SIMULATOR_ERROR, error)
     except SystemExit as error:
         # Nothing in this package exits the process, so it was the code under test.
-        return _raised(spec, RunStatus.AGENT_FAILED, "agent_raised", error)
+        return _make_exception_report(spec, RunStatus.AGENT_FAILED, "agent_raised", error)
     except Exception as error:
-        return _raised(spec, RunStatus.INFRASTRUCTURE_FAILED, "worker_error", error)
+        return _make_exception_report(spec, RunStatus.INFRASTRUCTURE_FAILED, "worker_error", error)
 
 
-def _prepared(source: CandidateSource, task: WorkerTask, board: ProgressBoard) -> Candidate:
+def _prepare_candidate(
+    source: CandidateSource, task: WorkerTask, board: ProgressBoard
+) -> Candidate:
     # No agent of this run is there yet.
     board.cells[4] = 0
     board.cells[0] = RunPhase.PREPARING
@@ -140,7 +142,7 @@ def _prepared(source: CandidateSource, task: WorkerTask, board: ProgressBoard) -
     return prepare(source, task.setup)
 
 
-def _invalid(spec: RunSpec, problem: str) -> RunReport:
+def _make_invalid_report(spec: RunSpec, problem: str) -> RunReport:
     return RunReport(
         run_id=spec.run_id,
         status=RunStatus.INVALID,
@@ -148,7 +150,9 @@ def _invalid(spec: RunSpec, problem: str) -> RunReport:
     )
 
 
-def _raised(spec: RunSpec, status: RunStatus, cause: str, error: BaseException) -> RunReport:
+def _make_exception_report(
+    spec: RunSpec, status: RunStatus, cause: str, error: BaseException
+) -> RunReport:
     return RunReport(
         run_id=spec.run_id,
         status=status,

@@ -44,7 +44,7 @@ def make_feedback(choice: FeedbackChoice, laws: tuple[Law, ...] = ()) -> Feedbac
     except DrivoraError:
         raise
     except (Exception, SystemExit) as error:
-        raise _raised(choice.name, "when it was made", error) from error
+        raise _make_plugin_error(choice.name, "when it was made", error) from error
 
 
 def is_built_in(feedback: Feedback | None) -> bool:
@@ -68,7 +68,7 @@ def measure_run(name: str, feedback: Feedback, run: RunView) -> Measurement:
         answer: Any = feedback.measure(run)
         expected = tuple(feedback.objectives)
     except (Exception, SystemExit) as error:
-        raise _raised(name, "when it measured a run", error) from error
+        raise _make_plugin_error(name, "when it measured a run", error) from error
     problem = next(_problems(answer, expected), "")
     if problem:
         raise PluginError(
@@ -98,7 +98,7 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and math.isfinite(value)
 
 
-def _raised(name: str, when: str, error: BaseException) -> PluginError:
+def _make_plugin_error(name: str, when: str, error: BaseException) -> PluginError:
     return PluginError(
         f"feedback {name!r} raised {type(error).__name__} {when}: {error}",
         cause="feedback_raised",

@@ -48,7 +48,7 @@ from drivora_service.simulation.plans.episode_plan import EpisodePlan
 from drivora_service.simulation.run_phase import RunPhase
 from drivora_service.simulation.sumo import SUMO_ERRORS
 from drivora_service.worker.candidate_preparing import space_of_candidates
-from drivora_service.worker.integrity import judging_code, sentence
+from drivora_service.worker.integrity import describe_code_changes, snapshot_judging_code
 from drivora_service.worker.interventions import leave_scenario
 from drivora_service.worker.measuring import is_built_in, make_feedback, measure_run
 from drivora_service.worker.progress_board import BOARD_CELLS, ProgressBoard
@@ -108,22 +108,22 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
         # No error of the ADS is known; another attempt may succeed.
         killed = error.cause == "agent_killed"
         status = RunStatus.INFRASTRUCTURE_FAILED if killed else RunStatus.AGENT_FAILED
-        return _failed(spec, status, failure, course)
+        return _make_failed_report(spec, status, failure, course)
     except PluginError as error:
-        return _failed(spec, RunStatus.PLUGIN_FAILED, _plugin_failure(error), course)
+        return _make_failed_report(spec, RunStatus.PLUGIN_FAILED, _plugin_failure(error), course)
     except SUMO_ERRORS as error:
         raise SimulatorError(f"SUMO refused a call: {error}") from error
     except (InvalidDocument, NetworkError, SearchError, UnknownName) as error:
         failure = RunFailure(cause="invalid_document", message=str(error))
-        return _failed(spec, RunStatus.INVALID, failure, course)
+        return _make_failed_report(spec, RunStatus.INVALID, failure, course)
     except Exception as error:
         # An error of this package's code, which an agent may have caused.
-        if not (changes := judging_code().changes()):
+        if not (changes := snapshot_judging_code().changes()):
             raise
         log = "".join(traceback.format_exception(error)[-_LOG_LINES:])
-        changed = _changed_by_agent(changes, course, log)
+        changed = _make_agent_error(changes, course, log)
         failure = RunFailure(cause=changed.cause, message=str(changed), log=log)
-        return _failed(spec, RunStatus.AGENT_FAILED, failure, course)
+        return _make_failed_report(spec, RunStatus.AGENT_FAILED, failure, course)
     finally:
         cells[0] = RunPhase.IDLE
 
@@ -135,11 +135,11 @@ def _perform(
     cells: np.ndarray[tuple[int], np.dtype[np.int64]],
     course: _Course,
 ) -> RunReport:
-    code = judging_code()
+    code = snapshot_judging_code()
     # An oracle that cannot be loaded is found before a simulation is spent on it.
     oracles = oracles_of(setup)
     laws = oracles.laws()
-    installed = oracles.installed() if setup.installed_oracles else ()
+    installed = oracles.load_installed() if setup.installed_oracles else ()
     scenario = with_overrides(from_canonical(spec.document), agent=spec.agent, seed=spec.seed)
     network = networks_of(setup).get(scenario.map_region.town)
     plan = plan_episode(scenario, network)
@@ -149,7 +149,7 @@ def _perform(
     course.versions = {**course.versions, **_versions_of(catalogue, egos)}
     names = (*(law.name for law in laws), *(oracle.name for oracle in installed))
     course.versions = {**course.versions, **_versions_of(oracles, names)}
-    course.agents = {ego.id: catalogue.completed(ego.agent) for ego in scenario.ego_vehicles}
+    course.agents = {ego.id: catalogue.fill_defaults(ego.agent) for ego in scenario.ego_vehicles}
     cells[4] = any(catalogue.is_in_process(e.agent.name) for e in scenario.ego_vehicles)
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
     feedback = (
@@ -181,7 +181,7 @@ def _perform(
     course.stepping = time.perf_counter() - begun
     cells[0] = RunPhase.JUDGING
     if changes := code.changes():
-        raise _changed_by_agent(changes, course)
+        raise _make_agent_error(changes, course)
     trace.meta["versions"] = course.versions
     trace.meta["agents"] = {
         ego: {"name": agent.name, "parameters": dict(agent.parameters)}
@@ -192,7 +192,7 @@ def _perform(
             store_trace(trace, spec.trace_path)
         except (OSError, StoreError) as error:
             failure = RunFailure(cause="trace_not_written", message=str(error))
-            return _failed(spec, RunStatus.INFRASTRUCTURE_FAILED, failure, course)
+            return _make_failed_report(spec, RunStatus.INFRASTRUCTURE_FAILED, failure, course)
     steps = max(trace.step_count - 1, 1)
     view = RunView(trace, network)
     verdicts = judge_all(trace, network, (*default_oracles(), *laws), view=view)
@@ -221,10 +221,10 @@ def _perform(
         versions=course.versions,
     )
     if not networks_of(setup).is_current(network):
-        return _on_two_networks(spec, network, course)
+        return _discard_result(spec, network, course)
     # Code that only this package has run in the process does not change while it judges.
     if code.has_met_others and (changes := code.changes()):
-        raise _changed_by_agent(changes, course)
+        raise _make_agent_error(changes, course)
     if feedback is None and not installed:
         return report
     code.has_met_others |= bool(installed) or not is_built_in(feedback)
@@ -237,10 +237,11 @@ def _perform(
         own = judge_all(trace, network, installed, view=view)
         if changes := code.changes():
             raise PluginError(
-                sentence(changes, "an oracle or a feedback"), cause="plugin_changed_service"
+                describe_code_changes(changes, "an oracle or a feedback"),
+                cause="plugin_changed_service",
             )
     except PluginError as error:
-        return _not_judged(report, error)
+        return _make_unjudged_report(report, error)
     return replace(
         report,
         verdicts=(*verdicts, *own),
@@ -248,13 +249,13 @@ def _perform(
     )
 
 
-def _on_two_networks(spec: RunSpec, network: RoadNetwork, course: _Course) -> RunReport:
+def _discard_result(spec: RunSpec, network: RoadNetwork, course: _Course) -> RunReport:
     """Returns a report without a result: SUMO and the oracles may have read different files."""
     if spec.trace_path:
         remove_stored(spec.trace_path)
     message = f"the road network {network.name!r} was replaced while the run was executed"
     failure = RunFailure(cause="network_replaced", message=message)
-    return _failed(spec, RunStatus.INFRASTRUCTURE_FAILED, failure, course)
+    return _make_failed_report(spec, RunStatus.INFRASTRUCTURE_FAILED, failure, course)
 
 
 def _without_effect(
@@ -292,13 +293,13 @@ def _versions_of(
     return found
 
 
-def _changed_by_agent(changes: tuple[str, ...], course: _Course, log: str = "") -> AgentError:
+def _make_agent_error(changes: tuple[str, ...], course: _Course, log: str = "") -> AgentError:
     names = sorted({choice.name for choice in course.agents.values()})
     by = f"the {'agent' if len(names) == 1 else 'agents'} {', '.join(map(repr, names))}"
-    return AgentError(sentence(changes, by), cause="agent_changed_service", log=log)
+    return AgentError(describe_code_changes(changes, by), cause="agent_changed_service", log=log)
 
 
-def _not_judged(report: RunReport, error: PluginError) -> RunReport:
+def _make_unjudged_report(report: RunReport, error: PluginError) -> RunReport:
     """Returns a report without the judgement; the recording stays for inspection."""
     return replace(
         report,
@@ -315,7 +316,9 @@ def _plugin_failure(error: PluginError) -> RunFailure:
     return RunFailure(cause=error.cause, message=str(error), log=error.log)
 
 
-def _failed(spec: RunSpec, status: RunStatus, failure: RunFailure, course: _Course) -> RunReport:
+def _make_failed_report(
+    spec: RunSpec, status: RunStatus, failure: RunFailure, course: _Course
+) -> RunReport:
     return RunReport(
         run_id=spec.run_id,
         status=status,

@@ -92,7 +92,7 @@ def _read(path: str) -> bytes:
         os.close(file)
 
 
-def started_processes() -> int | None:
+def read_last_pid() -> int | None:
     """Returns a number that changes when any process or thread starts; ``None`` if unknown.
 
     It takes a microsecond, where a look at the children of two processes takes a hundred.
@@ -120,7 +120,7 @@ def _last_pid_file() -> int | None:
 
 def children_of(pid: int) -> list[int]:
     """Returns the children of a process, without listing all processes where possible."""
-    listed = listed_children(pid)
+    listed = list_children(pid)
     if listed is not None:
         return listed
     try:
@@ -129,7 +129,7 @@ def children_of(pid: int) -> list[int]:
         return []
 
 
-def listed_children(pid: int) -> list[int] | None:
+def list_children(pid: int) -> list[int] | None:
     """Returns the children of a process; ``None`` if it has ended or the system lists none."""
     if not _LINUX:
         return None

@@ -114,9 +114,9 @@ class BoardReader:
         phase, step, ego, counter, in_process = _CELLS.unpack(data)
         return Progress(
             phase=_phase(phase),
-            step=_bounded(step),
-            ego=_bounded(ego),
-            run_counter=_bounded(counter),
+            step=_clip_number(step),
+            ego=_clip_number(ego),
+            run_counter=_clip_number(counter),
             in_process=bool(in_process),
         )
 
@@ -156,7 +156,7 @@ def _phase(value: int) -> RunPhase:
     return _PHASES.get(value, RunPhase.IDLE)
 
 
-def _bounded(value: int) -> int:
+def _clip_number(value: int) -> int:
     return min(max(value, -_LARGEST), _LARGEST)
 
 

@@ -89,7 +89,7 @@ class _Watcher:
 
 
 def _out_of_reach(ways: Sequence[VehicleWay], plan: EpisodePlan, trace: Trace) -> Iterator[int]:
-    rows = _sampled_rows(trace)
+    rows = _sample_rows(trace)
     followers = {follower.id: follower for follower in plan.followers}
     actors = {actor.id: actor.row for actor in trace.actors}
     watchers = [
@@ -101,7 +101,9 @@ def _out_of_reach(ways: Sequence[VehicleWay], plan: EpisodePlan, trace: Trace) -
         for row in range(trace.ego_count)
     ]
     watchers += [
-        _Watcher(row=actors[one.id], places=_places(trace, actors[one.id], rows), reach=_look(one))
+        _Watcher(
+            row=actors[one.id], places=_places(trace, actors[one.id], rows), reach=_view_range(one)
+        )
         for one in plan.followers
         if one.reacts
     ]
@@ -110,7 +112,7 @@ def _out_of_reach(ways: Sequence[VehicleWay], plan: EpisodePlan, trace: Trace) -
         if follower is None or row is None:
             continue
         margins = _margins(way, [one for one in watchers if one.row != row])
-        came = _came(way, _places(trace, row, rows))
+        came = _compute_travel(way, _places(trace, row, rows))
         if margins.size and margins.min() > 0.0:
             yield from way.places
         if plan.patches:
@@ -131,7 +133,7 @@ def _out_of_reach(ways: Sequence[VehicleWay], plan: EpisodePlan, trace: Trace) -
                 yield gene.index
 
 
-def _sampled_rows(trace: Trace) -> IntArray:
+def _sample_rows(trace: Trace) -> IntArray:
     """Returns rows of the trace up to the end of the last ego's part, that one included."""
     last = min(max(trace.ego_end_steps), trace.step_count - 1)
     stride = max(round(_STRIDE_S / trace.step_length), 1)
@@ -143,7 +145,7 @@ def _places(trace: Trace, row: int, rows: IntArray) -> FloatArray:
     return np.where(trace.present[rows, row][:, None], places, np.nan)
 
 
-def _look(follower: FollowerPlan) -> float:
+def _view_range(follower: FollowerPlan) -> float:
     """Returns the metres, centre to centre, within which a reactive vehicle sees others."""
     fastest = max(float(follower.path.wanted.max()), follower.first_speed)
     return look_ahead(fastest, follower.model.max_deceleration) + 0.5 * follower.model.length
@@ -174,7 +176,7 @@ def _margins(way: VehicleWay, watchers: Sequence[_Watcher]) -> FloatArray:
     return margins
 
 
-def _came(way: VehicleWay, places: FloatArray) -> FloatArray:
+def _compute_travel(way: VehicleWay, places: FloatArray) -> FloatArray:
     """Returns how far a vehicle had come at each sample, (t,) at least, metres of arc length.
 
     Of several stretches of its path at one place, the last counts. -inf before it appears.

@@ -21,7 +21,7 @@ from drivora_service.agents.adapters.dilu.experiences import (
 from drivora_service.agents.adapters.dilu.models import ModelError
 from drivora_service.agents.adapters.dilu.operator_settings import (
     EndpointSettings,
-    endpoint_settings,
+    read_endpoint_settings,
 )
 from drivora_service.agents.adapters.dilu.prompts import (
     check_messages,
@@ -34,7 +34,7 @@ from drivora_service.agents.adapters.dilu.situation import (
     Neighbour,
     Situation,
     available,
-    described,
+    describe_situation,
     features,
     in_brief,
 )
@@ -68,7 +68,7 @@ situations = st.builds(
 
 
 def test_a_situation_is_told_at_length_and_in_brief() -> None:
-    assert described(BUSY) == (
+    assert describe_situation(BUSY) == (
         "You drive at 10.0 m/s and want 12.0 m/s; allowed are 13.9 m/s. Ahead in your lane: 18 m "
         "away, at 4.0 m/s (slower). Lane to the left: ahead nobody, behind 3 m away, at 14.0 m/s "
         "(faster). Lane to the right: ahead nobody, behind nobody. You must stop at a light in "
@@ -113,10 +113,10 @@ def test_examples_stand_before_the_question() -> None:
     known = Experience(situation=FREE, decision=Decision.ACCELERATE, why="It is free.")
     aloud = decision_messages([known], BUSY, reasons=True)
     assert [m.role for m in aloud] == ["system", "user", "assistant", "user"]
-    assert aloud[1].content == described(FREE)
+    assert aloud[1].content == describe_situation(FREE)
     assert aloud[2].content == "It is free.\nResponse to user:#### accelerate"
     assert aloud[3].content == (
-        f"{described(BUSY)} Available now: left, keep, right, accelerate, decelerate."
+        f"{describe_situation(BUSY)} Available now: left, keep, right, accelerate, decelerate."
     )
     at_once = decision_messages([known], BUSY, reasons=False)
     assert [m.content for m in at_once[1:]] == [in_brief(FREE), "accelerate", in_brief(BUSY)]
@@ -128,7 +128,7 @@ def test_a_check_and_a_reflection_tell_what_was_said() -> None:
     assert "perhaps faster" in check.content
     reflection = reflection_messages(BUSY, Decision.KEEP, "#### keep", reasons=True)
     assert [m.role for m in reflection] == ["system", "user", "assistant", "user"]
-    assert (reflection[1].content, reflection[2].content) == (described(BUSY), "#### keep")
+    assert (reflection[1].content, reflection[2].content) == (describe_situation(BUSY), "#### keep")
     assert "keep was wrong" in reflection[3].content
 
 
@@ -159,7 +159,7 @@ def test_the_memory_gives_what_is_most_like_and_keeps_what_is_new() -> None:
 @given(situations)
 def test_every_situation_can_be_told_and_compared(situation: Situation) -> None:
     assert np.isfinite(features(situation)).all()
-    assert described(situation)
+    assert describe_situation(situation)
     assert in_brief(situation)
 
 
@@ -202,10 +202,10 @@ SETTINGS = {"DRIVORA_DILU_ENDPOINT": "http://localhost:1/v1/", "DRIVORA_DILU_MOD
 
 
 def test_the_operators_settings_are_read() -> None:
-    assert endpoint_settings({}) is None
-    assert endpoint_settings({**SETTINGS, "DRIVORA_DILU_ENDPOINT": " "}) is None
+    assert read_endpoint_settings({}) is None
+    assert read_endpoint_settings({**SETTINGS, "DRIVORA_DILU_ENDPOINT": " "}) is None
     more = {"DRIVORA_DILU_API_KEY": "secret", "DRIVORA_DILU_TIMEOUT_S": "20"}
-    found = endpoint_settings({**SETTINGS, **more})
+    found = read_endpoint_settings({**SETTINGS, **more})
     assert found == EndpointSettings(
         url="http://localhost:1/v1", model="m", api_key="secret", timeout=20.0
     )
@@ -228,5 +228,5 @@ def test_the_operators_settings_are_read() -> None:
 )
 def test_settings_that_cannot_be_used_are_told_of(change: dict[str, str], says: str) -> None:
     with pytest.raises(ModelError, match=says) as failure:
-        endpoint_settings({**SETTINGS, **change})
+        read_endpoint_settings({**SETTINGS, **change})
     assert "hush" not in str(failure.value)

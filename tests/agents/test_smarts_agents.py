@@ -24,9 +24,9 @@ from drivora_service.agents.adapters.smarts_agents.acting import (
     step_towards,
     target_of,
 )
-from drivora_service.agents.adapters.smarts_agents.facing import facing
+from drivora_service.agents.adapters.smarts_agents.facing import make_facing
 from drivora_service.agents.adapters.smarts_agents.lane_places import LanePlaces, lane_index
-from drivora_service.agents.adapters.smarts_agents.observing import Observer, long_enough
+from drivora_service.agents.adapters.smarts_agents.observing import Observer, omit_ending_ways
 from drivora_service.agents.adapters.smarts_agents.scene import (
     OFF_LANE,
     Scene,
@@ -198,8 +198,8 @@ def test_a_run_is_counted_from_one() -> None:
 
 def test_ways_that_are_about_to_end_are_left_out_unless_all_are() -> None:
     (path,) = scene(seen(40.0, 3.0)).waypoint_paths
-    assert long_enough([path[:5], path]) == [path]
-    assert long_enough([path[:5], path[:6]]) == [path[:6]]
+    assert omit_ending_ways([path[:5], path]) == [path]
+    assert omit_ending_ways([path[:5], path[:6]]) == [path[:6]]
 
 
 def test_the_nearest_lane_in_the_direction_of_travel_is_found() -> None:
@@ -219,8 +219,10 @@ def test_a_turned_scene_does_not_depend_on_the_compass(
     turn: float, east: float, driven: float
 ) -> None:
     first = scene(seen(40.0, 2.0, (60.0, 3.0, 0.2, 5.0), yaw=0.1))
-    other = replace(facing(first, 0.0), heading=turn, origin=np.array([east, 7.0])).turned(first)
-    one, two = (facing(each, driven).turned(each) for each in (first, other))
+    other = replace(
+        make_facing(first, 0.0), heading=turn, origin=np.array([east, 7.0])
+    ).transform_scene(first)
+    one, two = (make_facing(each, driven).transform_scene(each) for each in (first, other))
     for each in (one, two):
         assert each.ego_vehicle_state.heading == 0.0
         assert each.ego_vehicle_state.position[:2] == pytest.approx((0.0, driven), abs=1e-9)
@@ -237,11 +239,11 @@ def test_a_turned_scene_does_not_depend_on_the_compass(
 @given(st.floats(-3.1, 3.1), st.floats(-50.0, 50.0), st.floats(-50.0, 50.0))
 def test_a_pose_comes_back_into_the_plane(yaw: float, dx: float, dy: float) -> None:
     shown = scene(seen(40.0, 2.0, (40.0 + dx, 2.0 + dy, 0.0, 1.0), yaw=yaw))
-    frame = facing(shown, 12.0)
+    frame = make_facing(shown, 12.0)
     if not shown.neighborhood_vehicle_states:
         return
-    (car,) = frame.turned(shown).neighborhood_vehicle_states
-    x, y, heading = frame.back(float(car.position[0]), float(car.position[1]), car.heading)
+    (car,) = frame.transform_scene(shown).neighborhood_vehicle_states
+    x, y, heading = frame.restore_pose(float(car.position[0]), float(car.position[1]), car.heading)
     assert (x, y) == pytest.approx((40.0 + dx, 2.0 + dy), abs=1e-9)
     assert heading == pytest.approx(-math.pi / 2, abs=1e-9)
 

@@ -23,7 +23,7 @@ import yaml
 
 from drivora_service.api.documentation import recorded_examples
 from drivora_service.api_paths import PREFIX
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 
 FOLDER = Path(recorded_examples.__file__).with_name("recorded")
 _CAMPAIGN_FILE = (
@@ -137,7 +137,7 @@ def record_examples() -> dict[str, str]:
     ):
         data = Path(folder) / "data"
         with (
-            running_service(data, workers=1) as url,
+            run_service(data, workers=1) as url,
             httpx.Client(base_url=url, timeout=60.0) as client,
         ):
             recording = _Recording(client, data)

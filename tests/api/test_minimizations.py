@@ -175,7 +175,7 @@ def test_a_service_minimises_a_run(http: httpx.Client, service_url: str) -> None
         assert (done.before.actors, done.after.actors) == (4, 2)
         assert done.after.route_m < done.before.route_m
         minimal = client.run(done.minimal_run_id)
-        assert done.failure.found_in(minimal.verdicts)
+        assert done.failure.find_in(minimal.verdicts)
         assert minimal.observations_url
         assert client.run(done.reproduction_run_id).observations_url
         batch = client.batch(done.batch_id)

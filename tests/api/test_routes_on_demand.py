@@ -62,14 +62,14 @@ def test_a_request_for_a_path_adds_its_routes(module: str) -> None:
             on_demand.add_for(asked)
             everything, all_methods = resources()
             everything.add_all()
-            assert methods.allowed(asked) == all_methods.allowed(asked) != ()
+            assert methods.allowed_methods(asked) == all_methods.allowed_methods(asked) != ()
 
 
 @pytest.mark.parametrize("path", ["/", PREFIX, f"{PREFIX}/", f"{PREFIX}/run", "/runs", "/v2/runs"])
 def test_a_request_for_another_path_adds_none(path: str) -> None:
     on_demand, methods = resources()
     on_demand.add_for(path)
-    assert methods.allowed(path) == ()
+    assert methods.allowed_methods(path) == ()
     assert not on_demand._added
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import httpx
 
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 from drivora_service.store.runs.run_records import Priority
 from tests.api.conftest import Offline
 from tests.api.record_examples import LONG
@@ -37,7 +37,7 @@ def _is_driving(slot: Mapping[str, Any]) -> bool:
 
 def test_a_slot_tells_what_it_does_and_how_its_worker_died(tmp_path: Path) -> None:
     with (
-        running_service(tmp_path / "data", workers=1) as url,
+        run_service(tmp_path / "data", workers=1) as url,
         httpx.Client(base_url=url, timeout=30) as client,
     ):
         (slot,) = until(client, lambda found: found["slots"][0]["state"] == "idle")["slots"]

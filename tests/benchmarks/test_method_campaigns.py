@@ -7,7 +7,12 @@ from typing import Any
 
 import pytest
 
-from benchmarks.method_campaigns import BUDGET, TELLING, generated_campaign, telling_campaign
+from benchmarks.method_campaigns import (
+    BUDGET,
+    TELLING,
+    make_generated_campaign,
+    make_telling_campaign,
+)
 from benchmarks.methods import METHODS
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_reading import read_campaign
@@ -24,9 +29,10 @@ def test_they_can_begin(method: str, catalogues: Catalogues) -> None:
         pytest.importorskip("stable_baselines3", reason="an extra: `adversary`")
     for town in ("tee-town", "signal-grid"):
         _begin(
-            generated_campaign(catalogues.networks, method, town, seed=1, simulations=5), catalogues
+            make_generated_campaign(catalogues.networks, method, town, seed=1, simulations=5),
+            catalogues,
         )
-    _begin(telling_campaign(method, seed=1, simulations=5), catalogues)
+    _begin(make_telling_campaign(method, seed=1, simulations=5), catalogues)
 
 
 def _begin(document: dict[str, Any], catalogues: Catalogues) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.scene_search.__main__ import STAGES, Ledger, is_wanted, of_laws
 from benchmarks.scene_search.counting import Counts
-from benchmarks.scene_search.laws import ShownWays, telling
+from benchmarks.scene_search.laws import ShownWays, choose_scenes
 from benchmarks.scene_search.scenes import failing_scenes
 from drivora_service.cli.studies.study_files import read_study_file
 
@@ -58,11 +58,11 @@ def test_of_each_network_the_scene_with_most_rare_ways_is_taken() -> None:
         shown("b 0, traffic", rare=1, also=1, third=2),
         shown("c 0, traffic", common=50),
     ]
-    assert [one.scene for one in telling(counted, 3)] == ["b 0, traffic", "a 0, traffic"]
+    assert [one.scene for one in choose_scenes(counted, 3)] == ["b 0, traffic", "a 0, traffic"]
 
 
 def test_the_ways_that_a_campaign_is_expected_to_show() -> None:
     ways = shown("a 0, traffic", always=200, rare=1)
-    assert ways.expected(1) == pytest.approx(1.005)
+    assert ways.expected_ways(1) == pytest.approx(1.005)
     # 1 - (199 / 200) ** 300
-    assert ways.expected(300) == pytest.approx(1.7777, abs=1e-4)
+    assert ways.expected_ways(300) == pytest.approx(1.7777, abs=1e-4)

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from benchmarks.methods import METHODS, installed_methods
-from benchmarks.reference_scene import with_driven_paths
+from benchmarks.reference_scene import add_driven_paths
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_reading import read_campaign
 from drivora_service.campaigns.search.search_preparation import prepare_search
@@ -115,7 +115,7 @@ def test_needless_detours_are_judged_for_all_methods(
         content = json.loads(scene.document.model_dump_json())
         # The scene has the path that the ADS takes in it now.
         written = [ego.pop("reference_path") for ego in content["ego_vehicles"]]
-        driven = json.loads(with_driven_paths(content, agent.name))
+        driven = json.loads(add_driven_paths(content, agent.name))
         for path, ego in zip(written, driven["ego_vehicles"], strict=True):
             now = [(pose["time"], pose["x"], pose["y"]) for pose in ego["reference_path"]]
             assert [(pose["time"], pose["x"], pose["y"]) for pose in path] == [

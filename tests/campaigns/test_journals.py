@@ -176,13 +176,13 @@ def test_a_request_is_seen_soon(database: Database) -> None:
     now = 0.0
     campaign_id = stored_id(database)
     journal = StoreJournal(database, campaign_id, clock=lambda: now)
-    assert journal.requested() is CampaignRequest.NONE
+    assert journal.read_request() is CampaignRequest.NONE
     with database.write() as transaction:
         transaction.campaigns.begin(campaign_id)
         transaction.campaigns.ask_for(campaign_id, CampaignRequest.PAUSE)
-    assert journal.requested() is CampaignRequest.NONE
+    assert journal.read_request() is CampaignRequest.NONE
     now = 0.6
-    assert journal.requested() is CampaignRequest.PAUSE
+    assert journal.read_request() is CampaignRequest.PAUSE
 
 
 def test_a_command_takes_the_lost_lock_of_its_campaign_again(postgresql: PostgresqlServer) -> None:
@@ -192,14 +192,14 @@ def test_a_command_takes_the_lost_lock_of_its_campaign_again(postgresql: Postgre
     work = LongWork.campaign(campaign_id)
     held = database.locks.hold(work)
     journal = StoreJournal(database, campaign_id, clock=lambda: float(next(seconds)))
-    journal.requested()
+    journal.read_request()
     # As a restart of the server does.
     postgresql.execute(
         "SELECT pg_terminate_backend(pid, 10000) FROM pg_stat_activity "
         f"WHERE datname = '{make_url(url).database}'"
     )
     assert not other.locks.is_held(work)
-    journal.requested()
+    journal.read_request()
     assert other.locks.is_held(work)
     held.release()
     assert not other.locks.is_held(work)

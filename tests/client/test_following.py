@@ -18,7 +18,7 @@ from drivora_service.api.schemas.batches import Batch
 from drivora_service.api.schemas.campaigns import Campaign
 from drivora_service.client.connecting import ignore_retry
 from drivora_service.client.flows import Emit, Listen, Receive, Request, Sleep, Terms
-from drivora_service.client.following import batch_runs, followed_campaign
+from drivora_service.client.following import watch_batch, watch_campaign
 from drivora_service.client.replies import Reply, Service
 from drivora_service.store.campaigns.campaign_records import CampaignState
 from tests.client.examples import BATCH, JOB
@@ -109,7 +109,7 @@ def performed(
 def test_every_run_of_a_batch_comes_once(size: int, page: int, ends: list[int], seed: int) -> None:
     model = Model(size, page, iter(ends), random.Random(seed))
     seen: list[Batch] = []
-    runs, slept, _ = performed(batch_runs("b", TERMS, seen.append), model.answer)
+    runs, slept, _ = performed(watch_batch("b", TERMS, seen.append), model.answer)
     assert sorted(run.item for run in runs) == list(range(size))
     assert "queued" not in {run.status for run in runs}
     assert seen[-1].done
@@ -127,7 +127,7 @@ def test_what_has_ended_before_is_not_listed_again() -> None:
             model.statuses[model.statuses.index("queued")] = "finished"
 
     model.go_on = end_the_next  # type: ignore[method-assign] # another order
-    runs, _, _ = performed(batch_runs("b", TERMS, lambda _: None), model.answer)
+    runs, _, _ = performed(watch_batch("b", TERMS, lambda _: None), model.answer)
     assert len(runs) == size
     assert model.requests.count("/api/v1/jobs") <= model.requests.count("/api/v1/batches/b")
 
@@ -150,7 +150,7 @@ def test_looks_become_rare_while_nothing_happens_and_frequent_again() -> None:
             return batch
         raise AssertionError(path)
 
-    _, slept, _ = performed(batch_runs("b", TERMS, lambda _: None), answer)
+    _, slept, _ = performed(watch_batch("b", TERMS, lambda _: None), answer)
     assert slept[0] < 0.2
     assert slept[13] == 2.0
     assert slept[14] < 0.2
@@ -170,7 +170,7 @@ def test_an_application_in_this_process_is_looked_at_more_often() -> None:
         return batch
 
     terms = replace(TERMS, service=replace(TERMS.service, is_local=True))
-    _, slept, _ = performed(batch_runs("b", terms, lambda _: None), answer)
+    _, slept, _ = performed(watch_batch("b", terms, lambda _: None), answer)
     assert len(slept) == 19
     # Hardly any time passes here between two looks.
     assert all(0.05 <= seconds < 0.1 for seconds in slept)
@@ -190,7 +190,7 @@ def test_a_campaign_is_followed_until_it_rests() -> None:
         return {**value, "state": next(states)}
 
     seen: list[Campaign] = []
-    _, slept, ended = performed(followed_campaign("c", TERMS, seen.append), answer)
+    _, slept, ended = performed(watch_campaign("c", TERMS, seen.append), answer)
     assert ended.state is CampaignState.FAILED
     assert [one.state.value for one in seen] == ["queued", *["running"] * 3, "failed"]
     assert asked.count("/readyz") == 2
@@ -206,7 +206,7 @@ def followed(*parts: bytes | None) -> tuple[list[Any], list[str]]:
     positions: list[str] = []
     coming = iter(parts)
     batch: dict[str, Any] = {**BATCH, "size": 1, "counts": {"running": 1}}
-    flow: Any = batch_runs("b", TERMS, lambda _: None)
+    flow: Any = watch_batch("b", TERMS, lambda _: None)
     outcome: Any = None
     left = len(parts)
     while True:

@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 from benchmarks.page import WEB
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 from drivora_service.cli.studies.study_files import read_study_file
 from drivora_service.client import Client
 from drivora_service.dashboard.build import node_program
@@ -24,7 +24,7 @@ def draw_page_pictures(data: Path, images: Path) -> None:
         data: Folder for the data of the service.
         images: Folder for the pictures.
     """
-    with running_service(data, workers=2) as url, Client(url) as client:
+    with run_service(data, workers=2) as url, Client(url) as client:
         study = client.post_study(json.dumps(read_study_file(_STUDY).content))
         client.follow_study(study.id)
         cases = sorted((_EXAMPLES / "responsibility").glob("*.json"))

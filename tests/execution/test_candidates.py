@@ -17,13 +17,13 @@ from drivora_service.runs.candidate import CandidateSource
 from drivora_service.runs.run_report import RunSpec, RunStatus
 from drivora_service.search.space.space_candidates import ScenarioCandidates
 from drivora_service.search.space.space_options import SpaceOptions
-from drivora_service.simulation.followers.free_motion import planned_motions
+from drivora_service.simulation.followers.free_motion import plan_motions
 from drivora_service.worker.setup import WorkerSetup
 from tests.search.space.seeds import NETWORKS, drawn, space_around
 
 SPACE = space_around("tee-town", SpaceOptions(vehicles=1, walkers=0))
 CANDIDATES = ScenarioCandidates(
-    space=SPACE, networks=NETWORKS, agents=frozenset({"idm"}), motions=planned_motions
+    space=SPACE, networks=NETWORKS, agents=frozenset({"idm"}), motions=plan_motions
 )
 LIMITS = Limits(agent_deadline_s=2.0, wall_time_s=60.0)
 

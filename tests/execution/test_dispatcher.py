@@ -119,7 +119,7 @@ def test_a_batch_with_bad_runs_is_judged_and_the_crash_quarantined(
         dispatcher.wake()
         wait_until_over(database)
         with database.read() as transaction:
-            owners = transaction.workers.living()
+            owners = transaction.workers.living_owners()
             (crash,) = transaction.quarantine.newest()
             attempts = transaction.jobs.attempts(ids[3])
         assert dispatcher.is_alive
@@ -147,7 +147,7 @@ def test_a_run_that_was_taken_away_and_comes_back_is_begun_anew(
         wait_until_running(database, 1)
         time.sleep(0.5)
         with database.write() as transaction:
-            (owner,) = transaction.workers.living()
+            (owner,) = transaction.workers.living_owners()
             # As another server does that takes this one for dead.
             assert transaction.queue.reclaim(owner.id, RetryPolicy()) == 1
         taken_away = datetime.now(UTC)

@@ -11,7 +11,7 @@ from drivora_service.execution.local import LocalExecutor
 from drivora_service.execution.spec_running import run_all
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.laws.library import LawLibrary
-from drivora_service.oracles.laws.sources import LawSource, law_sources
+from drivora_service.oracles.laws.sources import LawSource, read_law_sources
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
@@ -64,7 +64,7 @@ def test_a_file_that_cannot_be_used_ends_runs_before_they_are_simulated(spec: Ru
 def test_the_folder_of_laws_is_a_setting(tmp_path: Path) -> None:
     (tmp_path / "laws").mkdir()
     (tmp_path / "laws" / "own.yaml").write_bytes(source_of("speed < 2").data)
-    assert worker_setup(Settings(data_dir=tmp_path)).laws == law_sources(tmp_path / "laws")
+    assert worker_setup(Settings(data_dir=tmp_path)).laws == read_law_sources(tmp_path / "laws")
     elsewhere = Settings(data_dir=tmp_path / "data", laws_dir=tmp_path / "laws")
     assert [source.file for source in worker_setup(elsewhere).laws] == ["own.yaml"]
     assert worker_setup(Settings(data_dir=tmp_path / "none")).laws == ()

@@ -13,7 +13,7 @@ def test_every_slot_has_a_next_run_and_urgent_ones_wait_for_few(
     pace = Pace()
     for duration in seconds:
         pace.note(duration)
-    assert 2 * slots <= pace.wanted_in_flight(slots) <= 17 * slots
+    assert 2 * slots <= pace.target_in_flight(slots) <= 17 * slots
 
 
 def test_short_runs_are_held_ready_in_number_and_long_ones_are_not() -> None:
@@ -21,5 +21,5 @@ def test_short_runs_are_held_ready_in_number_and_long_ones_are_not() -> None:
     for _ in range(50):
         short.note(0.1)
         long.note(20.0)
-    assert short.wanted_in_flight(2) == 18
-    assert long.wanted_in_flight(2) == 4
+    assert short.target_in_flight(2) == 18
+    assert long.target_in_flight(2) == 4

@@ -98,14 +98,14 @@ def test_one_slot_that_can_start_is_enough() -> None:
     starts = WorkerStarts(on_fault=lambda: told.append(None))
     starts.add("a")
     starts.add("b")
-    starts.failed("a", "no library", certain=True)
-    starts.succeeded("b")
+    starts.note_failure("a", "no library", certain=True)
+    starts.note_success("b")
     assert (starts.fault, told) == ("", [])
-    starts.failed("b", "no library", certain=True)
+    starts.note_failure("b", "no library", certain=True)
     assert (starts.fault, told) == ("no library", [None])
-    starts.failed("b", "no library", certain=True)
+    starts.note_failure("b", "no library", certain=True)
     assert told == [None]
-    starts.succeeded("a")
+    starts.note_success("a")
     assert starts.fault == ""
 
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from drivora_service.metrics.aggregates import Metrics, aggregated, benchmark_scores
+from drivora_service.metrics.aggregates import Metrics, aggregate_metric, benchmark_scores
 
 RUNS: tuple[Metrics, ...] = (
     {
@@ -67,5 +67,5 @@ def test_without_runs_there_is_no_score_and_with_missing_ones_there_is_zero() ->
 
 def test_values_that_were_not_measurable_are_left_out() -> None:
     runs: list[Metrics] = [{"a": 1.0}, {"a": None}, {}, {"a": float("nan")}, {"a": 3.0}]
-    found = aggregated(runs, "a")
+    found = aggregate_metric(runs, "a")
     assert (found.mean, found.runs) == (2.0, 2)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from drivora_service.errors import NetworkError
-from drivora_service.networks.shipped_build import differing, main, rebuild, sources
+from drivora_service.networks.shipped_build import find_outdated_files, main, rebuild, sources
 
 
 @pytest.fixture
@@ -26,7 +26,7 @@ def test_the_committed_networks_are_what_their_sources_give(repository: Path) ->
         "signal-grid",
         "tee-town",
     ]
-    assert differing(networks) == ()
+    assert find_outdated_files(networks) == ()
 
 
 def test_a_changed_source_is_noticed_and_rebuilt(copied: Path) -> None:
@@ -38,11 +38,11 @@ def test_a_changed_source_is_noticed_and_rebuilt(copied: Path) -> None:
     assert changed != original
     nodes.write_text(changed, encoding="utf-8")
 
-    assert differing(copied) == ("tee-town/tee-town.net.xml",)
+    assert find_outdated_files(copied) == ("tee-town/tee-town.net.xml",)
     assert network.read_bytes() == committed
     assert rebuild(copied) == ("tee-town/tee-town.net.xml",)
     assert network.read_bytes() != committed
-    assert differing(copied) == ()
+    assert find_outdated_files(copied) == ()
 
     nodes.write_text(original, encoding="utf-8")
     rebuild(copied)
@@ -53,7 +53,7 @@ def test_another_netconvert_in_the_provenance_is_noticed(copied: Path) -> None:
     provenance = copied / "tee-town" / "provenance.yaml"
     text = provenance.read_text(encoding="utf-8")
     provenance.write_text(text.replace("netconvert: 1.28.0", "netconvert: 1.20.0"), "utf-8")
-    assert differing(copied) == ("tee-town/provenance.yaml",)
+    assert find_outdated_files(copied) == ("tee-town/provenance.yaml",)
 
 
 def test_the_command_tells_differences_by_its_exit_code(
@@ -79,7 +79,7 @@ def test_netconvert_names_what_is_wrong_with_a_source(copied: Path) -> None:
     text = edges.read_text(encoding="utf-8")
     edges.write_text(text.replace('from="market_church"', 'from="nowhere"', 1), "utf-8")
     with pytest.raises(NetworkError, match=r"netconvert failed: .*nowhere"):
-        differing(copied)
+        find_outdated_files(copied)
 
 
 def test_a_missing_netconvert_names_the_extra(
@@ -88,4 +88,4 @@ def test_a_missing_netconvert_names_the_extra(
     # None in sys.modules is how Python marks a package that cannot be imported.
     monkeypatch.setitem(sys.modules, "sumo", None)
     with pytest.raises(NetworkError, match=r"pip install '\.\[networks\]'"):
-        differing(copied)
+        find_outdated_files(copied)

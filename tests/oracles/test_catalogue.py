@@ -63,7 +63,7 @@ def test_without_packages_there_are_the_built_in_ones_in_their_order() -> None:
     assert catalogue.names() == (*BUILT_IN, *LAWS)
     assert catalogue.oracles() == (*default_oracles(), *catalogue.laws())
     assert tuple(law.name for law in catalogue.laws()) == LAWS
-    assert catalogue.installed() == ()
+    assert catalogue.load_installed() == ()
     entry = catalogue.entry("off_road")
     assert (
         entry.description
@@ -128,7 +128,7 @@ def test_an_oracle_that_cannot_be_used_is_told_of_with_its_package(
     name = point.partition(" ")[0]
     for _ in range(2):
         with pytest.raises(OracleError, match=message) as told:
-            catalogue.installed()
+            catalogue.load_installed()
         assert f"oracle {name!r} of the package {PACKAGE!r}" in str(told.value)
         assert told.value.cause == "oracle_plugin"
     assert catalogue.entry(name).reason == str(told.value)

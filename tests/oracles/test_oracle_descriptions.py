@@ -23,7 +23,7 @@ from drivora_service.oracles.oracle_descriptions import (
     MeasureDescription,
     MeasureKind,
     ViolatedBy,
-    described,
+    find_description,
 )
 from drivora_service.testing.networks import straight_road
 from drivora_service.testing.traces import Motion, SyntheticEgo, make_trace
@@ -38,7 +38,7 @@ def is_one_sentence(text: str) -> bool:
 
 @pytest.mark.parametrize("oracle", default_oracles(), ids=lambda oracle: oracle.name)
 def test_every_oracle_describes_itself_and_its_thresholds(oracle: Any) -> None:
-    told = described(oracle.name)
+    told = find_description(oracle.name)
     assert told is not None
     assert is_one_sentence(told.definition)
     assert told.source
@@ -56,7 +56,7 @@ def test_every_oracle_describes_itself_and_its_thresholds(oracle: Any) -> None:
 
 def test_only_oracles_that_there_are_are_described() -> None:
     assert [one.name for one in ORACLES] == [oracle.name for oracle in default_oracles()]
-    assert described("of_a_package") is None
+    assert find_description("of_a_package") is None
 
 
 @pytest.mark.parametrize("told", [*METRICS, *OBJECTIVES], ids=lambda told: told.name)

@@ -8,10 +8,10 @@ import pytest
 from matplotlib.figure import Figure
 
 from drivora_service.observations.trace import Col, Role, Trace
-from drivora_service.plotting.picture_file import add_map, picture_file
+from drivora_service.plotting.picture_file import add_map, open_picture
 from drivora_service.plotting.picture_view import view_of_run
-from drivora_service.plotting.strip import fitted_title
-from drivora_service.plotting.trails import broken_trail, draw_trails, entries
+from drivora_service.plotting.strip import fit_title
+from drivora_service.plotting.trails import draw_trails, entries, split_trail
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
 
 STEPS = 60
@@ -45,7 +45,7 @@ def test_entries_are_found(trace: Trace) -> None:
 
 
 def test_no_line_crosses_the_map_to_where_a_vehicle_enters_anew(trace: Trace) -> None:
-    trail = broken_trail(trace, *path_of(trace))
+    trail = split_trail(trace, *path_of(trace))
     drawn = np.hypot(*np.diff(trail, axis=0).T)
     assert np.isnan(trail[:, 0]).sum() == 2
     assert np.nanmax(drawn) < 1.0
@@ -63,9 +63,9 @@ def test_no_line_crosses_the_map_to_where_a_vehicle_enters_anew(trace: Trace) ->
 @pytest.mark.parametrize("width_in", [2.3, 4.4, 11.0])
 def test_a_long_title_stays_inside_its_picture(width_in: float, tmp_path: Path) -> None:
     text = "collision at 12.35 s with background:17 (at fault, not avoidable) " * 2
-    title, size = fitted_title(text.strip(), width_in)
+    title, size = fit_title(text.strip(), width_in)
     assert " ".join(title.split()) == text.strip()
-    with picture_file(tmp_path / "x.png", width_in=width_in, height_in=1.0) as figure:
+    with open_picture(tmp_path / "x.png", width_in=width_in, height_in=1.0) as figure:
         drawn = figure.text(0.0, 0.5, title, fontsize=size, fontweight="bold")
         figure.draw_without_rendering()
         extent = drawn.get_window_extent()

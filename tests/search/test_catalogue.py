@@ -14,7 +14,7 @@ from pydantic import Field
 
 from drivora_service.errors import SearchError, UnknownName
 from drivora_service.parameters import read_parameters
-from drivora_service.search.catalogue import BUILT_IN, TesterCatalogue, components_named
+from drivora_service.search.catalogue import BUILT_IN, TesterCatalogue, make_components
 from drivora_service.search.components import Components
 from drivora_service.search.tester import TesterContext
 from drivora_service.search.testers.random_search import RandomTester
@@ -89,13 +89,13 @@ def test_an_unknown_name_is_reported_with_the_known_ones() -> None:
     with pytest.raises(UnknownName, match=r"tester 'chaos'.*random"):
         TesterCatalogue().create("chaos", context(), {}, Components())
     with pytest.raises(UnknownName, match="mutation 'chaos'"):
-        components_named(mutation="chaos")
+        make_components(mutation="chaos")
     with pytest.raises(UnknownName, match="selection 'chaos'"):
-        components_named(selection="chaos")
+        make_components(selection="chaos")
 
 
 def test_what_a_campaign_does_not_name_is_left_to_the_tester() -> None:
-    assert components_named() == Components()
+    assert make_components() == Components()
 
 
 def test_a_tester_takes_no_parameter_that_it_does_not_have() -> None:
@@ -134,7 +134,7 @@ def test_an_installed_package_brings_a_tester_and_a_mutation() -> None:
     assert "chance" in TesterCatalogue().names()
     made = TesterCatalogue().create("chance", context(), {}, Components())
     assert isinstance(made, RandomTester)
-    mutation = components_named(mutation="nothing").mutation
+    mutation = make_components(mutation="nothing").mutation
     assert mutation is not None
     space = small_space()
     values = space.sample(np.random.default_rng(1))

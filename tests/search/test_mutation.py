@@ -19,8 +19,8 @@ from drivora_service.search.mutation import (
     RedrawGene,
     RedrawSlice,
     effective_genes,
-    redrawn,
-    shifted,
+    redraw_genes,
+    shift_genes,
 )
 from drivora_service.testing.gene_spaces import small_space
 from drivora_service.testing.mutation_contract import MutationContract
@@ -76,7 +76,7 @@ def test_redrawn_whole_genes_have_another_value_and_the_rest_stays(seed: int) ->
     random = np.random.default_rng(seed)
     values = SPACE.sample(random)
     which = random.random(len(SPACE)) < 0.5
-    child = redrawn(values, SPACE, random, which)
+    child = redraw_genes(values, SPACE, random, which)
     assert SPACE.within(child)
     assert np.array_equal(child != values, which & SPACE.varies)
 
@@ -86,7 +86,7 @@ def test_redrawing_draws_all_other_values_alike() -> None:
     path = VEHICLE.index("path")
     values = all_present(random)
     values[path] = 4.0
-    drawn = [redrawn(values, SPACE, random, all_genes())[path] for _ in range(9000)]
+    drawn = [redraw_genes(values, SPACE, random, all_genes())[path] for _ in range(9000)]
     counts = np.bincount(np.array(drawn, dtype=np.int64), minlength=10)
     assert counts[4] == 0
     assert np.abs(np.delete(counts, 4) / 9000 - 1 / 9).max() < 0.02
@@ -99,7 +99,7 @@ def test_shifting_stays_within_and_moves_whole_genes_by_at_least_one(
     random = np.random.default_rng(seed)
     values = SPACE.sample(random)
     which = random.random(len(SPACE)) < 0.5
-    child = shifted(values, SPACE, random, which & ~SPACE.is_category, sigma)
+    child = shift_genes(values, SPACE, random, which & ~SPACE.is_category, sigma)
     assert SPACE.within(child)
     assert np.array_equal(child[~which], values[~which])
 
@@ -111,7 +111,7 @@ def test_a_shift_has_the_deviation_that_was_asked_for() -> None:
     values[[speed, along]] = 9.0, 0.0
     sigma = np.zeros(len(SPACE))
     sigma[[speed, along]] = 1.5, 3.0
-    moved = np.array([shifted(values, SPACE, random, sigma > 0, sigma) for _ in range(4000)])
+    moved = np.array([shift_genes(values, SPACE, random, sigma > 0, sigma) for _ in range(4000)])
     assert moved[:, speed].std() == pytest.approx(1.5, rel=0.05)
     assert moved[:, along].std() == pytest.approx(3.0, rel=0.05)
     assert moved[:, speed].mean() == pytest.approx(9.0, abs=0.1)
@@ -122,7 +122,7 @@ def test_bounds_do_not_fill_up() -> None:
     speed = VEHICLE.index("speed_1")
     values = all_present(random)
     values[speed] = SPACE.highs[speed] - 0.1
-    child = [shifted(values, SPACE, random, all_genes(), 2.0)[speed] for _ in range(500)]
+    child = [shift_genes(values, SPACE, random, all_genes(), 2.0)[speed] for _ in range(500)]
     assert max(child) < SPACE.highs[speed]
     assert np.mean(np.array(child) < values[speed]) > 0.9
 

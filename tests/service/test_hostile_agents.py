@@ -13,7 +13,7 @@ import httpx
 import psutil
 import pytest
 
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seed_generation import generate_seeds
@@ -75,7 +75,7 @@ def test_agents_that_turn_against_the_service_cost_their_own_runs(
     monkeypatch.setenv("HOSTILE_NOTES", str(notes))
     monkeypatch.setenv("DRIVORA_AGENT_DEADLINE_S", "5")
     documents = drives()
-    with running_service(tmp_path / "data", workers=2) as url:
+    with run_service(tmp_path / "data", workers=2) as url:
         with httpx.Client(base_url=f"{url}/api/v1", timeout=60.0) as client:
             answer = client.post(
                 "/batches",

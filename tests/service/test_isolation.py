@@ -13,7 +13,7 @@ import httpx
 import psutil
 import pytest
 
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.networks.importing.network_importing import import_network
 from drivora_service.scenario.documents import ScenarioDocument, document_text
@@ -63,7 +63,7 @@ def test_three_rogues_harm_no_other_run(
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.setenv("DRIVORA_AGENT_DEADLINE_S", "5")
     monkeypatch.setenv("DRIVORA_MEMORY_LIMIT_MB", "700")
-    with running_service(tmp_path / "data", workers=2) as url:
+    with run_service(tmp_path / "data", workers=2) as url:
         with httpx.Client(base_url=f"{url}/api/v1", timeout=60.0) as client:
             answer = client.post(
                 "/batches",

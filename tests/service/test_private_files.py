@@ -14,7 +14,7 @@ import httpx
 import pytest
 
 from drivora_service.api.documentation.recorded_examples import SCENARIO
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 from tests.api.test_campaigns import small_campaign
 
 PREFIX = "/api/v1"
@@ -49,7 +49,7 @@ def drivora(*arguments: str) -> None:
 @pytest.mark.usefixtures("open_umask")
 def test_every_file_of_a_run_a_campaign_and_a_backup_is_private(tmp_path: Path) -> None:
     data, backup = tmp_path / "data", tmp_path / "backup"
-    with running_service(data, workers=1) as url, httpx.Client(base_url=url, timeout=60) as client:
+    with run_service(data, workers=1) as url, httpx.Client(base_url=url, timeout=60) as client:
         job = client.post(f"{PREFIX}/jobs", json=SCENARIO).headers["Location"]
         campaign = client.post(f"{PREFIX}/campaigns", json=small_campaign("random"))
         follow(client, job, "status", {"finished"})

@@ -13,7 +13,7 @@ from typing import Any
 import httpx
 import pytest
 
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seed_generation import generate_seeds
@@ -45,7 +45,7 @@ def test_a_destroyed_data_folder_is_restored_from_its_backup(tmp_path: Path) -> 
     seeds = generate_seeds(network, count=RUNS, min_length=60, max_length=90, seed=8, agent="idm")
     lines = "\n".join(json.dumps(json.loads(document_text(seed))) for seed in seeds)
     data, backup = tmp_path / "data", tmp_path / "backup"
-    with running_service(data, workers=2) as url:
+    with run_service(data, workers=2) as url:
         with httpx.Client(base_url=f"{url}/api/v1", timeout=60.0) as client:
             posted = client.post(
                 "/batches", content=lines, headers={"Content-Type": "application/x-ndjson"}
@@ -67,7 +67,7 @@ def test_a_destroyed_data_folder_is_restored_from_its_backup(tmp_path: Path) -> 
     data.chmod(0o700)
     assert "0 contradictions" in drivora("store", "verify", "--hashes", "--data-dir", str(data))
     with (
-        running_service(data, workers=1) as url,
+        run_service(data, workers=1) as url,
         httpx.Client(base_url=f"{url}/api/v1", timeout=60.0) as client,
     ):
         assert runs_of(client) == before

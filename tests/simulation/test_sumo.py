@@ -33,7 +33,7 @@ def test_a_route_that_sumo_refuses() -> None:
             lane_number=0, position=10.0, arrival=None,
         )  # fmt: skip
     world.step()
-    assert "lost" not in world.known()
+    assert "lost" not in world.known_ids()
 
 
 def test_who_stands_at_the_end_of_its_route_does_not_leave_the_road() -> None:
@@ -49,4 +49,4 @@ def test_who_stands_at_the_end_of_its_route_does_not_leave_the_road() -> None:
         moves = 1.0 if step in (0, 25) else 0.0
         world.place([actor], [[x, y, angle, moves]])
         world.step()
-    assert "waits" in world.known()
+    assert "waits" in world.known_ids()

@@ -268,7 +268,7 @@ class Store(RuleBasedStateMachine):
         jobs = self._jobs()
         with self.database.read() as transaction:
             counts = transaction.jobs.counts()
-            queued = transaction.jobs.queued()
+            queued = transaction.jobs.count_queued_runs()
             batches = transaction.batches.page(limit=500).items
         recount = Counter(job.status for job in jobs)
         assert counts == {status: recount[status] for status in RunStatus}

@@ -107,7 +107,7 @@ def test_counts_and_the_queue_read_no_runs_but_those_they_take(
             transaction.batches.get(batch_id)
             transaction.batches.page()
             transaction.jobs.counts()
-            transaction.jobs.queued()
+            transaction.jobs.count_queued_runs()
             transaction.changes.latest()
             transaction.changes.after(0)
             transaction.jobs.page(limit=2)

@@ -16,7 +16,7 @@ from drivora_service.suites.gate.baseline import (
     baseline_text,
     read_baseline,
 )
-from drivora_service.suites.gate.baseline_accepting import accepted_baseline
+from drivora_service.suites.gate.baseline_accepting import update_baseline
 from drivora_service.suites.gate.gate_documents import GateDocument
 from drivora_service.suites.suite import Suite
 from drivora_service.suites.suite_checks import check_baseline, check_results, check_shards
@@ -35,7 +35,7 @@ def suite_of(results: SuiteResults) -> Suite:
 
 
 def baseline_of(results: SuiteResults, old: Baseline | None = None) -> Baseline:
-    return accepted_baseline(results, suite_of(results), GateDocument(), old)
+    return update_baseline(results, suite_of(results), GateDocument(), old)
 
 
 def test_results_are_read_as_they_were_written(tmp_path: Path) -> None:
@@ -141,7 +141,7 @@ def test_accepting_shows_what_changes_and_keeps_what_was_not_run() -> None:
     old = baseline_of(results_of([*counted("a", 1, 1), *counted("b", 0, 1), *counted("c", 1, 1)]))
     whole = suite_of(results_of([*counted("a", 0, 1), *counted("b", 0, 1), *counted("c", 1, 1)]))
     part = results_of([*counted("a", 0, 1), *counted("b", 2, 3)])
-    new = accepted_baseline(part, whole, GateDocument(), old)
+    new = update_baseline(part, whole, GateDocument(), old)
     assert list(new.scenarios) == ["a", "b", "c"]
     assert new.scenarios["c"] == old.scenarios["c"]
     assert [(c.scenario, c.what, c.before, c.after) for c in baseline_changes(old, new)] == [
@@ -149,13 +149,13 @@ def test_accepting_shows_what_changes_and_keeps_what_was_not_run() -> None:
         ("b", "collision of ego with npc", "passes", "fails in 2 of 3"),
     ]
     assert list(baseline_changes(new, new)) == []
-    removed = accepted_baseline(part, suite_of(part), GateDocument(), old)
+    removed = update_baseline(part, suite_of(part), GateDocument(), old)
     assert [(c.scenario, c.after) for c in baseline_changes(old, removed)][-1] == (
         "c",
         "not in the baseline",
     )
     with pytest.raises(ConfigurationError, match="is of ADS 'idm', and the results are of 'x'"):
-        accepted_baseline(replace(part, agent="x"), whole, GateDocument(), old)
+        update_baseline(replace(part, agent="x"), whole, GateDocument(), old)
 
 
 def test_a_baseline_is_not_of_several_parameters() -> None:
@@ -165,7 +165,7 @@ def test_a_baseline_is_not_of_several_parameters() -> None:
     assert baseline_of(faster, old).agent_parameters == ("speed_factor=1.3",)
     part = replace(faster, scenarios={"a": whole.scenarios["a"]}, runs=whole.runs[:1])
     with pytest.raises(ConfigurationError, match="and have no judged run of 'b', which would stay"):
-        accepted_baseline(part, suite_of(whole), GateDocument(), old)
+        update_baseline(part, suite_of(whole), GateDocument(), old)
 
 
 def test_results_of_another_suite_are_refused() -> None:

@@ -43,7 +43,7 @@ from drivora_service.scenario.canonical import canonical_json
 from drivora_service.simulation import trace_assembly
 from drivora_service.simulation.motion import step_kernels
 from drivora_service.worker import measuring, performing
-from drivora_service.worker.integrity import judging_code
+from drivora_service.worker.integrity import snapshot_judging_code
 from drivora_service.worker.setup import WorkerSetup
 from tests.simulation.episodes import ego, place, scenario
 
@@ -204,7 +204,7 @@ CHANGES: Mapping[str, Callable[[], Change]] = {
 def test_a_change_is_found_and_named(name: str) -> None:
     # A kernel has machine code that could be exchanged once it has been called.
     assert step_kernels.make_frame.dispatcher is not None  # type: ignore[attr-defined]
-    code = judging_code()
+    code = snapshot_judging_code()
     assert code.changes() == ()
     change = CHANGES[name]()
     change.do()
@@ -247,7 +247,7 @@ class ControlWord:
 def test_a_native_library_that_changes_the_arithmetic_is_found(
     change: Callable[[ControlWord], None], said: str
 ) -> None:
-    code, word = judging_code(), ControlWord()
+    code, word = snapshot_judging_code(), ControlWord()
     change(word)
     try:
         found = code.changes()
@@ -263,7 +263,7 @@ def test_what_is_loaded_or_compiled_later_is_no_change_and_compared_from_then_on
 ) -> None:
     monkeypatch.delitem(sys.modules, "drivora_service.scenario.exporting", raising=False)
     monkeypatch.delattr("drivora_service.scenario.exporting", raising=False)
-    code = judging_code()
+    code = snapshot_judging_code()
     assert code.changes() == ()
     (tmp_path / "loaded_late.py").write_text("import warnings\nwarnings.filterwarnings('ignore')\n")
     monkeypatch.syspath_prepend(tmp_path)
@@ -300,7 +300,7 @@ def drive(monkeypatch: pytest.MonkeyPatch) -> Callable[..., RunReport]:
         plugin = AgentPlugin(entry=entry, create=lambda parameters: Meddler(do))
         catalogue = AgentCatalogue((*BUILT_IN, plugin))
         monkeypatch.setattr(performing, "agents_of", lambda setup: catalogue)
-        judging_code.cache_clear()
+        snapshot_judging_code.cache_clear()
         start, end = place("harbour_1_0", 20), place("harbour_1_0", 120)
         what = scenario(ego(start, end, agent="meddler"), seconds=1.0)
         return performing.perform(
@@ -397,8 +397,8 @@ def test_the_judging_itself_is_checked_where_other_packages_have_run(
     monkeypatch.setattr(
         performing, "make_feedback", lambda c, _laws: Guest() if c.name == "guest" else make(c)
     )
-    judging_code.cache_clear()
-    code = judging_code()
+    snapshot_judging_code.cache_clear()
+    code = snapshot_judging_code()
     changes, checks = code.changes, [0]
 
     def counted() -> tuple[str, ...]:
@@ -425,7 +425,7 @@ def test_a_check_takes_a_small_part_of_a_run(drive: Callable[..., RunReport]) ->
     begun = time.process_time()
     drive(lambda: None)
     run = time.process_time() - begun
-    code = judging_code()
+    code = snapshot_judging_code()
     checks = []
     for _ in range(30):
         begun = time.process_time()

@@ -20,7 +20,7 @@ from drivora_service.scenario.model import (
     RouteEnd,
     WeatherChange,
 )
-from drivora_service.search.mutation import redrawn
+from drivora_service.search.mutation import redraw_genes
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.source import source_of
 from drivora_service.search.space.space_options import SpaceOptions, VehicleStarts
@@ -51,7 +51,7 @@ def changed(space: ScenarioSpace, values: FloatArray, which: list[int], seed: in
     """Redraws some genes; nothing is repaired, as none of them moves a start."""
     flags = np.zeros(len(values), dtype=np.bool_)
     flags[which] = True
-    mutant = redrawn(values, space.genes, np.random.default_rng(seed), flags)
+    mutant = redraw_genes(values, space.genes, np.random.default_rng(seed), flags)
     np.testing.assert_array_equal(space.repair(mutant), mutant)
     return mutant
 

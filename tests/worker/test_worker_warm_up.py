@@ -28,7 +28,7 @@ def test_the_kernels_of_agents_and_oracles_are_compiled() -> None:
         braking_evasion._brakes_clear,
         evasion._evade,
         risk._beside,
-        risk._hidden,
+        risk._flag_hidden,
         risk._will_meet,
         step_kernels.write_placements,
     )

@@ -79,7 +79,7 @@ class LaneForecaster:
         poses = np.empty((len(near), len(times), 3))
         speeds = np.hypot(objects[near, Col.VX], objects[near, Col.VY])
         for row, k in enumerate(near.tolist()):
-            travelled = _travelled(objects[k], float(speeds[row]), times)
+            travelled = _compute_distances(objects[k], float(speeds[row]), times)
             way = None
             if observation.object_kinds[k] == _VEHICLE and speeds[row] > 0.5:
                 way = self._way_of(objects[k])
@@ -154,7 +154,7 @@ def _turn_of(lane: LaneView) -> float:
     return abs(math.remainder(math.atan2(by, bx) - math.atan2(ay, ax), math.tau))
 
 
-def _travelled(state: FloatArray, speed: float, times: FloatArray) -> FloatArray:
+def _compute_distances(state: FloatArray, speed: float, times: FloatArray) -> FloatArray:
     """Returns (t,) metres: at constant speed, or with continued braking until standstill."""
     forward = state[Col.AX] * math.cos(state[Col.YAW]) + state[Col.AY] * math.sin(state[Col.YAW])
     if forward > _BRAKING or speed < 1e-3:

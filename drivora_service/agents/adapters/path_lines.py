@@ -7,7 +7,7 @@ import numpy as np
 from drivora_service.geometry.array_shapes import FloatArray
 
 
-def resampled(line: FloatArray, spacing: float = 1.0) -> FloatArray:
+def resample(line: FloatArray, spacing: float = 1.0) -> FloatArray:
     """Returns a line with points evenly spaced, about ``spacing`` metres apart."""
     arc = arc_of(line)
     places = np.linspace(0.0, arc[-1], max(2, int(arc[-1] / spacing) + 1))

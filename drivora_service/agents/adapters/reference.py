@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.agents.adapters.path_lines import arc_of, normals, resampled
+from drivora_service.agents.adapters.path_lines import arc_of, normals, resample
 from drivora_service.agents.adapters.route_lanes import beside_one_another
 from drivora_service.agents.remote.views import LaneView, RouteView
 from drivora_service.geometry.array_shapes import FloatArray
@@ -54,7 +54,7 @@ def find_reference(route: RouteView, lanes: Mapping[int, LaneView]) -> Reference
     Beside a lane of the route its neighbours in the same direction are usable, but not within
     junctions.
     """
-    line = resampled(_smoothed(_lengthened(resampled(route.line, _SPACING))), _SPACING)
+    line = resample(_smooth(_extend_ends(resample(route.line, _SPACING))), _SPACING)
     arc = arc_of(line)
     nearest = np.array([int(np.argmin(((route.line - p) ** 2).sum(axis=1))) for p in line])
     left, right = _room(lanes, route.lanes[nearest], line)
@@ -66,7 +66,7 @@ def find_reference(route: RouteView, lanes: Mapping[int, LaneView]) -> Reference
     return Reference(line=line, arc=arc, speeds=speeds, left=left, right=right)
 
 
-def _lengthened(line: FloatArray) -> FloatArray:
+def _extend_ends(line: FloatArray) -> FloatArray:
     first = (line[0] - line[1]) / max(float(np.hypot(*(line[0] - line[1]))), 1e-9)
     last = (line[-1] - line[-2]) / max(float(np.hypot(*(line[-1] - line[-2]))), 1e-9)
     before = np.arange(_BEFORE, 0.5, -_SPACING)[:, None]
@@ -74,7 +74,7 @@ def _lengthened(line: FloatArray) -> FloatArray:
     return np.concatenate((line[0] + before * first, line, line[-1] + behind * last))
 
 
-def _smoothed(line: FloatArray) -> FloatArray:
+def _smooth(line: FloatArray) -> FloatArray:
     reach = math.ceil(3.0 * _SMOOTHING / _SPACING)
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) * _SPACING / _SMOOTHING) ** 2)
     weights /= weights.sum()
@@ -98,7 +98,7 @@ def _room(
     across = normals(line)
     for lane in np.unique(point_lanes).tolist():
         view = lanes[lane]
-        centre = resampled(view.line, 0.5)
+        centre = resample(view.line, 0.5)
         on_the_left, on_the_right = _widths_beside(lanes, lane)
         for i in np.flatnonzero(point_lanes == lane).tolist():
             foot = centre[int(np.argmin(((centre - line[i]) ** 2).sum(axis=1)))]

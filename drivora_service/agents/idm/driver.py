@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from drivora_service.agents.idm.driving import decide
 from drivora_service.agents.idm.run_following import RunFollower, Way
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
-from drivora_service.compilation import settled
+from drivora_service.compilation import specialize
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
 
 LOST = 8.0
@@ -96,7 +96,7 @@ class IdmDriver:
             and (ego.ndim, objects.ndim, sizes.ndim, kinds.ndim) == (1, 2, 2, 1)
         ):
             self._objects, self._sizes, self._kinds = objects, sizes, kinds
-            self._decide = settled(decide)
+            self._decide = specialize(decide)
 
 
 def _is_plain(array: NDArray[Any], dtype: np.dtype[Any]) -> bool:

@@ -30,7 +30,7 @@ import numpy as np
 from drivora_service.agents.metadrive_ppo.policy import OBSERVATION_SIZE
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
-from drivora_service.geometry.kernels import wrapped
+from drivora_service.geometry.kernels import wrap_to_pi
 
 REACH = 50.0
 """Range of the rays, and maximum shown distance of checkpoints, metres."""
@@ -173,7 +173,7 @@ def _cast_rays(ego: FloatArray, box: FloatArray, size: FloatArray, out: FloatArr
         ax, ay = _corner(ego, box, size, cos, sin, edge)
         bx, by = _corner(ego, box, size, cos, sin, (edge + 1) % 4)
         start = math.atan2(ay, ax)
-        span = wrapped(math.atan2(by, bx) - start)
+        span = wrap_to_pi(math.atan2(by, bx) - start)
         low, high = min(start, start + span), max(start, start + span)
         ex, ey = bx - ax, by - ay
         for ray in range(math.ceil(low / step), math.floor(high / step) + 1):

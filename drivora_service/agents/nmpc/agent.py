@@ -92,14 +92,14 @@ class NmpcAgent:
 
     def run_step(self, observation: Observation) -> AccelerationControl:
         """Drives."""
-        halt_distance = self._refer(observation)
+        halt_distance = self._fill_reference(observation)
         reference, boxes = self._reference.copy(), self._boxes.copy()
         x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
         # Coordinates relative to the car, since large ones reduce the solver's precision.
         reference[:, :2] -= (x, y)
         boxes[:, :, :2] -= (x, y)
         v = observation.speed
-        start = np.array([0.0, 0.0, yaw, v, _gentle(self._asked, v), observation.steer])
+        start = np.array([0.0, 0.0, yaw, v, _limit_acceleration(self._asked, v), observation.steer])
         guess = self._plan.guess(start, reference, (x, y))
         found = self._problem.solve(start, reference, self._places[:, 2:], boxes, *guess)
         row = self._log.row
@@ -119,7 +119,7 @@ class NmpcAgent:
         self._asked = asked
         return AccelerationControl(asked, steer)
 
-    def _refer(self, observation: Observation) -> float:
+    def _fill_reference(self, observation: Observation) -> float:
         """Fills in reference and boxes; returns the distance that the front bumper may advance."""
         runs, v, ego = self._runs, observation.speed, observation.ego
         runs.wait(v)
@@ -127,7 +127,7 @@ class NmpcAgent:
         way = runs.way
         line, arc = way.points[:, :2], way.points[:, 2]
         runs.cursor, s, lateral = track_line(line, arc, runs.cursor, 5, 30, *ego[:2].tolist())
-        watched = _watched(observation)
+        watched = _find_watched(observation)
         objects, sizes = observation.objects[watched], observation.object_sizes[watched]
         kinds, ids = observation.object_kinds[watched], observation.object_ids[watched]
         future = np.empty((STEPS + 1, len(objects), 4))
@@ -175,7 +175,7 @@ def _sides(margins: FloatArray, half_width: float) -> FloatArray:
     return np.column_stack((-right, left))
 
 
-def _watched(observation: Observation) -> IntArray:
+def _find_watched(observation: Observation) -> IntArray:
     """Returns the rows of the actors that can come near within the forecast."""
     objects, ego = observation.objects, observation.ego
     away = np.hypot(objects[:, Col.X] - ego[Col.X], objects[:, Col.Y] - ego[Col.Y])
@@ -184,6 +184,6 @@ def _watched(observation: Observation) -> IntArray:
     return rows
 
 
-def _gentle(acceleration: float, v: float) -> float:
+def _limit_acceleration(acceleration: float, v: float) -> float:
     """Returns the initial acceleration of a plan, which does not lead below standstill."""
     return max(acceleration, -max(v, 0.0) / 0.25)

@@ -162,7 +162,7 @@ def _build(
         upper += [_FAR] * STATES if k == 0 else most
         along, aside = _place(ca, x, p)
         if k:
-            cost += _tracking(x, aside, p, limits.wheelbase)
+            cost += _tracking_cost(x, aside, p, limits.wheelbase)
         if k == STAGES:
             break
         u = ca.SX.sym(f"u{k}", INPUTS)
@@ -235,7 +235,7 @@ def _place(ca: ModuleType, x: Any, p: Any) -> Sequence[Any]:
     return cos * dx + sin * dy, cos * dy - sin * dx
 
 
-def _tracking(x: Any, aside: Any, p: Any, wheelbase: float) -> Any:
+def _tracking_cost(x: Any, aside: Any, p: Any, wheelbase: float) -> Any:
     """Returns the cost of deviating from the reference, and of side acceleration beyond it."""
     side = p[3] ** 2 * (x[5] / wheelbase - p[5])
     return (

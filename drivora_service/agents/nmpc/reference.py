@@ -17,7 +17,7 @@ from drivora_service.agents.nmpc.problem import BOXES, STAGE_TIME
 from drivora_service.agents.pdm_closed.proposals import accelerate
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
-from drivora_service.geometry.kernels import wrapped
+from drivora_service.geometry.kernels import wrap_to_pi
 
 FORECASTS_A_STAGE = 2
 _FAR = 1e3
@@ -89,8 +89,8 @@ def roll_out(
             # Headings are interpolated within a segment, else each corner of the line would be a
             # jerk.
             ahead = math.atan2(way[at + 2, 1] - way[at + 1, 1], way[at + 2, 0] - way[at + 1, 0])
-            yaw += 0.5 * min(past / span, 1.0) * wrapped(ahead - yaw)
-        yaw = last_yaw + wrapped(yaw - last_yaw)
+            yaw += 0.5 * min(past / span, 1.0) * wrap_to_pi(ahead - yaw)
+        yaw = last_yaw + wrap_to_pi(yaw - last_yaw)
         row, place = reference[k], places[k]
         low, high = sides[at, 0], sides[at, 1]
         rear, other = _leader(

@@ -80,7 +80,7 @@ class PdmClosedAgent:
         line, arc = way.points[:, :2], way.points[:, 2]
         x, y = ego[:2].tolist()
         runs.cursor, s, lateral = track_line(line, arc, runs.cursor, 5, 30, x, y)
-        watched = self._watched(observation)
+        watched = self._find_watched(observation)
         objects, sizes = observation.objects[watched], observation.object_sizes[watched]
         kinds, ids = observation.object_kinds[watched], observation.object_ids[watched]
         future = np.empty((STEPS + 1, len(objects), 4))
@@ -104,7 +104,7 @@ class PdmClosedAgent:
         )  # fmt: skip
         return self._execute(s)
 
-    def _watched(self, observation: Observation) -> NDArray[np.int64]:
+    def _find_watched(self, observation: Observation) -> NDArray[np.int64]:
         """Returns the rows of the actors that can come near within the forecast."""
         objects, ego = observation.objects, observation.ego
         away = np.hypot(objects[:, Col.X] - ego[Col.X], objects[:, Col.Y] - ego[Col.Y])

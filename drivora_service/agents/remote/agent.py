@@ -53,7 +53,7 @@ class RemoteAgent:
             reply = self._host.connection.setup(request, timeout)
             self._columns = _columns(reply.log_names)
         except (grpc.RpcError, AgentError) as error:
-            raise self._failed("SetupEnv", timeout, error) from error
+            raise self._handle_failure("SetupEnv", timeout, error) from error
         self._log.declare(*self._columns)
         self._write(reply.text)
 
@@ -66,7 +66,7 @@ class RemoteAgent:
             return control_of(reply)
         except (grpc.RpcError, AgentError) as error:
             where = f"RunStep at {observation.time:.2f} s"
-            raise self._failed(where, timeout, error) from error
+            raise self._handle_failure(where, timeout, error) from error
 
     def _record(self, reply: pb.StepReply) -> None:
         row = self._log.row
@@ -100,7 +100,9 @@ class RemoteAgent:
                 return
             self._log.event(line)
 
-    def _failed(self, where: str, timeout: float, error: grpc.RpcError | AgentError) -> AgentError:
+    def _handle_failure(
+        self, where: str, timeout: float, error: grpc.RpcError | AgentError
+    ) -> AgentError:
         """Returns the error of a failed call; an ADS that hangs or cannot be reached is ended."""
         subject = f"agent {self._name!r} of ego {self._ego!r}"
         if isinstance(error, AgentError):
@@ -113,7 +115,7 @@ class RemoteAgent:
                 cause = "agent_hung"
                 message = f"{subject} did not answer {where} within {timeout:g} s"
             case grpc.StatusCode.UNAVAILABLE | grpc.StatusCode.CANCELLED:
-                ended = self._host.ended()
+                ended = self._host.describe_end()
                 cause = self._host.death if ended else "agent_unreachable"
                 message = f"{subject} {ended or f'cannot be reached: {details}'}, in {where}"
             case grpc.StatusCode.UNIMPLEMENTED:

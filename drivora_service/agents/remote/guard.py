@@ -67,7 +67,7 @@ def main(
     Returns:
         The exit code of the command; 128 plus the number for a signal; or :data:`BEYOND_MEMORY`.
     """
-    signal.signal(signal.SIGTERM, _stop)
+    signal.signal(signal.SIGTERM, _exit_on_signal)
     # Block SIGTERM until the command has started, since there is nothing to end before.
     signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGTERM])
     _die_with_parent(signal.SIGTERM)
@@ -114,7 +114,7 @@ def main(
             if child.returncode is not None:
                 while _copy(output, log, 0.0) is True:
                     pass
-                code = _exit_code(child.returncode, log)
+                code = _report_exit(child.returncode, log)
                 return BEYOND_MEMORY if too_much else code
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         raise SystemExit(1)
@@ -139,7 +139,7 @@ def _copy(output: int, log: BoundedLog, patience: float) -> bool | None:
     return bool(data)
 
 
-def _exit_code(code: int, log: BoundedLog) -> int:
+def _report_exit(code: int, log: BoundedLog) -> int:
     if code >= 0:
         log.write(f"[exited with code {code}]\n".encode())
         return code
@@ -147,7 +147,7 @@ def _exit_code(code: int, log: BoundedLog) -> int:
     return 128 - code
 
 
-def _stop(_number: int, _frame: FrameType | None) -> None:
+def _exit_on_signal(_number: int, _frame: FrameType | None) -> None:
     # The kernel signals the death of every thread that was temporarily the parent: the
     # second signal must not interrupt the cleanup after the first.
     signal.signal(signal.SIGTERM, signal.SIG_IGN)

@@ -56,7 +56,7 @@ class Host(Protocol):
         """Returns the last lines that the ADS printed."""
         ...
 
-    def ended(self) -> str:
+    def describe_end(self) -> str:
         """Returns how the ADS ended by itself, "" if it did not or that is unknown."""
         ...
 
@@ -70,7 +70,7 @@ class Host(Protocol):
         ...
 
 
-def _socket_folder() -> Path:
+def _make_socket_folder() -> Path:
     """Makes a folder for temporary files in which a socket's path is not too long."""
     prefix, drawn, socket = "drivora-agent-", 8, f"{_SCRATCH}/socket"
     parent = tempfile.gettempdir()
@@ -79,7 +79,7 @@ def _socket_folder() -> Path:
     return Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
 
 
-def _not_started(manifest: AgentManifest, error: OSError) -> AgentError:
+def _make_start_error(manifest: AgentManifest, error: OSError) -> AgentError:
     return AgentError(
         f"the process of agent {manifest.name!r} cannot be started: {error}", cause="agent_died"
     )
@@ -101,9 +101,9 @@ class ProcessHost:
         """
         self._name = manifest.name
         try:
-            self._folder = _socket_folder()
+            self._folder = _make_socket_folder()
         except OSError as error:
-            raise _not_started(manifest, error) from error
+            raise _make_start_error(manifest, error) from error
         self._log = self._folder / "log"
         self._last_words = ""
         self._confinement = confinement
@@ -114,10 +114,10 @@ class ProcessHost:
             self._process = self._start(manifest, python, address)
         except OSError as error:
             shutil.rmtree(self._folder, ignore_errors=True)
-            raise _not_started(manifest, error) from error
+            raise _make_start_error(manifest, error) from error
         self.connection = Connection(address)
         try:
-            self._wait(socket, manifest.deadlines.start)
+            self._wait_until_ready(socket, manifest.deadlines.start)
         except BaseException:
             self.end()
             raise
@@ -131,10 +131,11 @@ class ProcessHost:
                 str(self._log), self._confinement.text(), *command_line(manifest, python),
             ],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            cwd=manifest.folder, env=self._environment(manifest, address), start_new_session=True,
+            cwd=manifest.folder, env=self._make_environment(manifest, address),
+            start_new_session=True,
         )  # fmt: skip
 
-    def _environment(self, manifest: AgentManifest, address: str) -> dict[str, str]:
+    def _make_environment(self, manifest: AgentManifest, address: str) -> dict[str, str]:
         """Returns the variables for the ADS; creates their folders.
 
         The ADS finds ``drivora_service`` in a folder without other packages: the folder where it is
@@ -160,11 +161,11 @@ class ProcessHost:
         kept[ADDRESS_VARIABLE] = address
         return kept
 
-    def _wait(self, socket: Path, deadline: float) -> None:
+    def _wait_until_ready(self, socket: Path, deadline: float) -> None:
         until = time.monotonic() + deadline
         while time.monotonic() < until:
             if not self.is_alive:
-                raise self._error(self.death, f"{self.ended()} before it answered")
+                raise self._error(self.death, f"{self.describe_end()} before it answered")
             if socket.exists():
                 left = until - time.monotonic()
                 with contextlib.suppress(grpc.RpcError):
@@ -196,7 +197,7 @@ class ProcessHost:
             return self._last_words
         return "\n".join(text.splitlines()[-_TAIL_LINES:])
 
-    def ended(self) -> str:
+    def describe_end(self) -> str:
         """Returns how the process ended; waits briefly, as its socket closes before its end."""
         try:
             code = self._process.wait(_ENDING_S)
@@ -263,7 +264,7 @@ class AddressHost:
         """Returns where the log is."""
         return f"[the log is with the operator of the ADS at {self._address}]"
 
-    def ended(self) -> str:
+    def describe_end(self) -> str:
         """Returns "": how an ADS elsewhere ended is unknown."""
         return ""
 

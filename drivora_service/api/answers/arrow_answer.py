@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fastapi import Request, Response
 from fastapi.responses import StreamingResponse
 
-from drivora_service.api.guards.compression import coded_headers, compressed
+from drivora_service.api.guards.compression import compress_stream, negotiate_coding
 from drivora_service.api.guards.entity_tags import is_known
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def arrow_answer(request: Request, opened: Callable[[], TableStream], *, etag: s
         opened: Opens the table; called only if it is sent.
         etag: Stands for the content of the table.
     """
-    coding, headers = coded_headers(request, f"{etag}-arrow")
+    coding, headers = negotiate_coding(request, f"{etag}-arrow")
     if is_known(request, headers["ETag"].strip('"')):
         return Response(status_code=304, headers=headers)
     from drivora_service.observations.trace_files.table_stream import stream_bytes
@@ -33,5 +33,5 @@ def arrow_answer(request: Request, opened: Callable[[], TableStream], *, etag: s
     parts = stream_bytes(opened())
     if coding:
         headers["Content-Encoding"] = coding
-        parts = compressed(parts, coding)
+        parts = compress_stream(parts, coding)
     return StreamingResponse(parts, media_type=ARROW, headers=headers)

@@ -42,7 +42,7 @@ class BatchScenario:
     place: str = ""
     problems: tuple[Problem, ...] = ()
 
-    def checked(self, check: Callable[[bytes | Mapping[str, Any]], T]) -> T:
+    def check_document(self, check: Callable[[bytes | Mapping[str, Any]], T]) -> T:
         """Returns the result of a check of the document.
 
         Args:
@@ -84,20 +84,20 @@ def read_batch_scenario(item: object) -> BatchScenario:
         content, problems = plain_data(item)
         if not _has_label(content):
             return BatchScenario(document=item)
-        return _labelled(content, problems)
+        return _read_labelled(content, problems)
     if not isinstance(item, Mapping):
         raise refusal("not_an_object", "a scenario is one object with keys")
     if not _has_label(item):
         return BatchScenario(document=item)
     _, problems = plain_data({key: value for key, value in item.items() if key != "scenario"})
-    return _labelled(item, problems)
+    return _read_labelled(item, problems)
 
 
 def _has_label(content: Mapping[str, Any]) -> bool:
     return any(key in content for key in _KEYS)
 
 
-def _labelled(content: Mapping[str, Any], problems: list[Problem]) -> BatchScenario:
+def _read_labelled(content: Mapping[str, Any], problems: list[Problem]) -> BatchScenario:
     label, seed = "", None
     try:
         read = LabelledScenario.model_validate(content)

@@ -115,7 +115,7 @@ class NetworkImports:
     async def _import(
         self, request: Request, upload: Upload, check_use: Callable[[], None]
     ) -> None:
-        with _stored(), self._stage() as stage:
+        with _convert_storage_errors(), self._stage() as stage:
             try:
                 await _receive(request, stage / SOURCE)
                 await self._make(request, upload, stage)
@@ -225,7 +225,7 @@ async def _until_left(request: Request) -> None:
 
 
 @contextmanager
-def _stored() -> Iterator[None]:
+def _convert_storage_errors() -> Iterator[None]:
     """Turns errors of the file system into one that tells the client to try again."""
     try:
         yield

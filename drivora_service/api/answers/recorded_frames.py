@@ -108,13 +108,13 @@ def _arrow(request: Request, path: Path, trace_sha256: str, part: FramePart) -> 
     columns = ",".join(sorted(set(part.columns)))
     etag = digest(f"{trace_sha256} {part.steps} {part.rows} {columns}".encode())
 
-    def opened() -> TableStream:
+    def open_part() -> TableStream:
         wanted = TracePart(
             first=part.steps.first, stop=part.steps.stop, rows=part.rows, columns=part.columns
         )
         return open_stream(path, wanted)
 
-    return arrow_answer(request, opened, etag=etag)
+    return arrow_answer(request, open_part, etag=etag)
 
 
 def _parquet_range(path: Path, steps: StepRange) -> bytes:

@@ -36,7 +36,7 @@ class RecordedRun:
         return f"{self.record.trace_sha256} {self.record.revision}"
 
 
-def recorded_run(context: ApiContext, run_id: str) -> RecordedRun:
+def find_recorded_run(context: ApiContext, run_id: str) -> RecordedRun:
     """Returns a run with its recording.
 
     A failure that a campaign found is shown by the recording of its second, identical run.

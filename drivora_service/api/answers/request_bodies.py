@@ -58,9 +58,9 @@ def split_batch(request: Request, body: bytes, *, most: int) -> list[bytes | dic
     given = media_type(request, JSON_TYPES | NDJSON_TYPES)
     documents = _lines(body) if given in NDJSON_TYPES else _items(body)
     if not documents:
-        raise _refused("empty_batch", "the batch holds no scenario; at least one is needed")
+        raise _make_error("empty_batch", "the batch holds no scenario; at least one is needed")
     if len(documents) > most:
-        raise _refused(
+        raise _make_error(
             "batch_too_long", f"found {len(documents)} scenarios; at most {most} are allowed"
         )
     return documents
@@ -74,11 +74,13 @@ def _items(body: bytes) -> list[bytes | dict[str, Any]]:
     try:
         content = from_json(body)
     except ValueError as error:
-        raise _refused("malformed_json", f"the body is not JSON: {error}") from error
+        raise _make_error("malformed_json", f"the body is not JSON: {error}") from error
     if not isinstance(content, list):
-        raise _refused("not_a_list", "a batch is a JSON list of scenarios, or one a line (NDJSON)")
+        raise _make_error(
+            "not_a_list", "a batch is a JSON list of scenarios, or one a line (NDJSON)"
+        )
     return content
 
 
-def _refused(code: str, message: str) -> InvalidDocument:
+def _make_error(code: str, message: str) -> InvalidDocument:
     return InvalidDocument((Problem(pointer="", code=code, message=message),))

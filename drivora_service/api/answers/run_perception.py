@@ -29,7 +29,7 @@ def perception_json(
     Raises:
         Conflict: SUMO drives it, or its perception cannot be computed again.
     """
-    found = _perceived(scenario, ego, is_sumo_driver)
+    found = _perceive(scenario, ego, is_sumo_driver)
     there = _there(ego, found)
     counts = {
         name: tuple(((found.sights == sight) & there).sum(axis=1).tolist())
@@ -52,7 +52,7 @@ def perception_table(
     Raises:
         Conflict: SUMO drives it, or its perception cannot be computed again.
     """
-    found = _perceived(scenario, ego, is_sumo_driver)
+    found = _perceive(scenario, ego, is_sumo_driver)
     step, actor = np.nonzero(_there(ego, found) | (found.sights == Sight.PERCEIVED))
     columns = {
         "step": (found.first + step).astype(np.int32),
@@ -70,7 +70,7 @@ def _there(ego: EgoView, found: Perceived) -> np.ndarray[tuple[int, int], np.dty
     return there
 
 
-def _perceived(scenario: Scenario, ego: EgoView, is_sumo_driver: bool) -> Perceived:
+def _perceive(scenario: Scenario, ego: EgoView, is_sumo_driver: bool) -> Perceived:
     if is_sumo_driver:
         raise Conflict(f"SUMO drives the ego {ego.id!r}: it has no perception")
     return perceive_again(scenario, ego)

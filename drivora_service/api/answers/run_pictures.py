@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import Query, Request, Response
 
 from drivora_service.api.context import ApiContext
-from drivora_service.api.guards.compression import coded_headers, compressed_answer
+from drivora_service.api.guards.compression import compressed_answer, negotiate_coding
 from drivora_service.api.guards.entity_tags import digest, is_known
 from drivora_service.api.problem_details import ApiError
 from drivora_service.oracles.verdict import Verdict
@@ -93,11 +93,11 @@ class Pictures:
             drawn = self._waiting[name] = asyncio.get_running_loop().run_in_executor(
                 self._drawer, _draw, path, network, verdicts, moments
             )
-            drawn.add_done_callback(partial(self._drawn, name))
+            drawn.add_done_callback(partial(self._keep_picture, name))
         # The client may go: others wait for the same, and it is kept.
         return await asyncio.shield(drawn)
 
-    def _drawn(self, name: str, drawn: asyncio.Future[bytes]) -> None:
+    def _keep_picture(self, name: str, drawn: asyncio.Future[bytes]) -> None:
         del self._waiting[name]
         if drawn.cancelled() or drawn.exception() is not None:
             return
@@ -138,7 +138,7 @@ async def picture_answer(
     judged = digest("".join(verdict_to_json(one) for one in verdicts).encode())
     parts = (trace_sha256[:32], network.sha256[:16], judged[:16], version("drivora"), str(moments))
     etag = "-".join(parts)
-    _, headers = coded_headers(request, etag)
+    _, headers = negotiate_coding(request, etag)
     if is_known(request, headers["ETag"].strip('"')):
         return Response(status_code=304, headers=headers)
     pictures: Pictures = request.app.state.pictures

@@ -48,7 +48,10 @@ class _FaultCollector(Collector):
         )
         with contextlib.suppress(OSError):
             free.add_metric(
-                [], shutil.disk_usage(_existing(self._context.campaign_folder("0").path)).free
+                [],
+                shutil.disk_usage(
+                    _find_existing_folder(self._context.campaign_folder("0").path)
+                ).free,
             )
         yield free
 
@@ -60,7 +63,7 @@ class _StoreCollector(Collector):
     def collect(self) -> Iterator[Metric]:
         with self._context.database.read() as transaction:
             counts = transaction.jobs.counts()
-            owners = transaction.workers.living()
+            owners = transaction.workers.living_owners()
             figures = transaction.figures.figures()
         runs = GaugeMetricFamily("drivora_runs", "Runs by status", labels=["status"])
         for status, count in counts.items():
@@ -112,6 +115,6 @@ def _age(moment: datetime | None) -> float:
     return max((datetime.now(UTC) - moment).total_seconds(), 0.0)
 
 
-def _existing(path: Path) -> Path:
+def _find_existing_folder(path: Path) -> Path:
     """Returns the nearest folder around a path that is there."""
     return next(folder for folder in path.absolute().parents if folder.is_dir())

@@ -41,7 +41,7 @@ class Checker:
         self._agents = KnownAgents(context.agents.availability())
         self._overrides = overrides
 
-    def validated(
+    def validate(
         self, data: bytes | Mapping[str, Any], form: Literal["json", "yaml"] = "json"
     ) -> ValidScenario:
         """Parses and checks a document.

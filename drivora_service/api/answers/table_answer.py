@@ -59,10 +59,10 @@ def table_answer(
         UnknownName: There is no such column.
         InvalidDocument: There are too many rows for JSON.
     """
-    from drivora_service.studies.tables.table_forms import chosen_columns, table_chunks
+    from drivora_service.studies.tables.table_forms import select_columns, table_chunks
 
     form = TableForm(accepted_form(request, _FORMS))
-    table = chosen_columns(opened(), columns or ())
+    table = select_columns(opened(), columns or ())
     headers = {
         "Content-Disposition": f'attachment; filename="{_file_name(owner, name)}'
         f'.{_SUFFIXES[form]}"',

@@ -22,13 +22,14 @@ def workers_now(context: ApiContext, transaction: Transaction) -> Workers:
     """
     now = datetime.now(UTC)
     owners = sorted(
-        transaction.workers.living(), key=lambda owner: (owner.id != context.owner_id, owner.id)
+        transaction.workers.living_owners(),
+        key=lambda owner: (owner.id != context.owner_id, owner.id),
     )
     return Workers(
         slots=tuple(slot for owner in owners for slot in _slots(context, owner)),
         queue=transaction.workers.loads(),
-        ended_last_minute=transaction.workers.ended_since(now - timedelta(minutes=1)),
-        ended_last_hour=transaction.workers.ended_since(now - timedelta(hours=1)),
+        ended_last_minute=transaction.workers.count_ended_since(now - timedelta(minutes=1)),
+        ended_last_hour=transaction.workers.count_ended_since(now - timedelta(hours=1)),
         faults=tuple(
             Fault(name=name, detail=detail) for name, detail in context.faults().items() if detail
         ),

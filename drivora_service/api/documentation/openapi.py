@@ -75,7 +75,7 @@ def problem_answer(status: int) -> dict[str, Any]:
         "content": {
             problem_details.MEDIA_TYPE: {
                 "schema": {"$ref": _SCHEMAS + "ProblemDetails"},
-                "example": _packed(example),
+                "example": _pack_example(example),
             }
         },
     }
@@ -241,7 +241,7 @@ def _with_errors(
     return {status: answer, **{error: problem_answer(error) for error in errors}}
 
 
-def _packed(example: problem_details.ProblemDetails) -> str:
+def _pack_example(example: problem_details.ProblemDetails) -> str:
     """Writes an example as text, for FastAPI would drop what is null in it."""
     return _PACKED + example.model_dump_json()
 

@@ -128,7 +128,7 @@ class AnswerMemory:
         begun = time.monotonic()
         head: Message | None = None
 
-        async def keeping_send(message: Message) -> None:
+        async def send_and_keep(message: Message) -> None:
             nonlocal head
             if message["type"] == "http.response.start" and _may_be_kept(message):
                 # Held back until its body is there: no other shall wait for a slow client.
@@ -154,7 +154,7 @@ class AnswerMemory:
                     del memory.answers[key]
 
         try:
-            await self._app(scope, receive, keeping_send)
+            await self._app(scope, receive, send_and_keep)
         finally:
             give_up()
 

@@ -32,12 +32,12 @@ _Bearer = Annotated[object, Depends(_bearer)]
 _Cookie = Annotated[object, Depends(_session)]
 
 
-async def _documented(bearer: _Bearer, session: _Cookie) -> None:
+async def _declare_schemes(bearer: _Bearer, session: _Cookie) -> None:
     """Stands for both ways in the OpenAPI document."""
     del bearer, session
 
 
-Documented = Annotated[None, Depends(_documented)]
+Documented = Annotated[None, Depends(_declare_schemes)]
 
 
 def _require(request: Request, scope: Scope) -> None:

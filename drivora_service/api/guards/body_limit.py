@@ -67,7 +67,7 @@ class BodyLimit:
         loop = asyncio.get_running_loop()
         began = loop.time()
 
-        async def counted_receive() -> Message:
+        async def receive_within_limits() -> Message:
             nonlocal received, too_large, complete
             # What came fast must not pay for a client that then stops.
             left = min(began + received / BODY_BYTES_A_SECOND, loop.time()) + BODY_SECONDS
@@ -93,7 +93,7 @@ class BodyLimit:
         async def lingering_send(message: Message) -> None:
             await (_send_and_linger(message, receive, send) if too_large else send(message))
 
-        await self._app(scope, counted_receive, lingering_send)
+        await self._app(scope, receive_within_limits, lingering_send)
 
 
 async def _refuse(

@@ -10,7 +10,7 @@ from typing import Any
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from drivora_service.api.guards.load_guard import overloaded
+from drivora_service.api.guards.load_guard import refuse_overload
 from drivora_service.api.guards.request_turns import Turns, is_urgent
 from drivora_service.api.problem_details import MEDIA_TYPE, ProblemDetails
 
@@ -66,7 +66,7 @@ class BoundedConnection(H11Protocol):
             transport.abort()
             return
         if len(self.connections) > self.most:
-            self.app = overloaded
+            self.app = refuse_overload
         self._await_head()
 
     def connection_lost(self, exc: Exception | None) -> None:

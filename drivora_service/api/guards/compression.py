@@ -17,7 +17,7 @@ _GZIP_WINDOW = 31
 """Of zlib: the largest window, in the format of gzip."""
 
 
-def compressed(parts: Iterator[bytes], coding: Literal["gzip", "zstd"]) -> Iterator[bytes]:
+def compress_stream(parts: Iterator[bytes], coding: Literal["gzip", "zstd"]) -> Iterator[bytes]:
     """Compresses a stream; what comes of each part can be read before the next part comes."""
     return _gzip(parts) if coding == "gzip" else _zstd(parts)
 
@@ -33,17 +33,17 @@ def compressed_answer(
         media_type: Of the bytes.
         etag: Stands for them.
     """
-    coding, headers = coded_headers(request, etag)
+    coding, headers = negotiate_coding(request, etag)
     if is_known(request, headers["ETag"].strip('"')):
         return Response(status_code=304, headers=headers)
     body = content()
     if coding:
         headers["Content-Encoding"] = coding
-        body = b"".join(compressed(iter([body]), coding))
+        body = b"".join(compress_stream(iter([body]), coding))
     return Response(body, media_type=media_type, headers=headers)
 
 
-def coded_headers(request: Request, etag: str) -> tuple[Coding, dict[str, str]]:
+def negotiate_coding(request: Request, etag: str) -> tuple[Coding, dict[str, str]]:
     """Returns the coding of an answer that may be compressed, and the headers for its caching.
 
     Two codings of the same content are different bytes, with an ``ETag`` each.

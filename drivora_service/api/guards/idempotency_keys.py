@@ -53,7 +53,7 @@ class Work:
     commit: Callable[[Transaction], Answer]
 
 
-def done_once(
+def run_once(
     request: Request,
     context: ApiContext,
     key: str,

@@ -50,7 +50,7 @@ class LoadGuard:
             self._served -= 1
 
 
-async def overloaded(scope: Scope, receive: Receive, send: Send) -> None:
+async def refuse_overload(scope: Scope, receive: Receive, send: Send) -> None:
     """Answers that the service is busy and when to come back; closes the connection."""
     await _refuse(scope, receive, send, close=True)
 

@@ -28,7 +28,7 @@ class MethodTable:
                 pattern, _, _ = compile_path(prefix + route.path)
                 self._entries.append((pattern, frozenset(route.methods)))
 
-    def allowed(self, path: str) -> tuple[str, ...]:
+    def allowed_methods(self, path: str) -> tuple[str, ...]:
         """Returns the methods that a path takes, in alphabetical order."""
         found: set[str] = set()
         for pattern, methods in self._entries:

@@ -54,7 +54,7 @@ class TimedRequests:
             return
         begun = time.perf_counter()
 
-        async def timed(message: Message) -> None:
+        async def send_and_time(message: Message) -> None:
             if message["type"] == "http.response.start":
                 # Set by the router; what no operation answers has none.
                 route = getattr(scope.get("route"), "path", "none")
@@ -62,4 +62,4 @@ class TimedRequests:
                 self._times.add(scope["method"], route, message["status"], seconds)
             await send(message)
 
-        await self._app(scope, receive, timed)
+        await self._app(scope, receive, send_and_time)

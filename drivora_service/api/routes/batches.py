@@ -18,7 +18,7 @@ from drivora_service.api.documentation import recorded_examples
 from drivora_service.api.documentation.openapi import answers, batch_body
 from drivora_service.api.guards.authorization import reader, submitter
 from drivora_service.api.guards.entity_tags import json_answer
-from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, done_once
+from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, run_once
 from drivora_service.api.problem_details import problem_items
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.batches import (
@@ -76,7 +76,7 @@ def post_batch(
     def prepare() -> Work:
         check_overrides(context, overrides)
         documents = request_bodies.split_batch(request, body, most=context.limits.batch_items)
-        checked = _checked(context, documents, overrides)
+        checked = _check_documents(context, documents, overrides)
         owner_id = context.reserve(len(checked.runs))
 
         def commit(transaction: Transaction) -> Answer:
@@ -97,7 +97,7 @@ def post_batch(
 
         return Work(commit=commit)
 
-    response = done_once(request, context, idempotency_key, body, prepare)
+    response = run_once(request, context, idempotency_key, body, prepare)
     context.wake()
     return response
 
@@ -202,7 +202,9 @@ class _Checked:
     problems: dict[int, tuple[Problem, ...]] = field(default_factory=dict)
 
 
-def _checked(context: ApiContext, documents: Sequence[Any], overrides: Overrides) -> _Checked:
+def _check_documents(
+    context: ApiContext, documents: Sequence[Any], overrides: Overrides
+) -> _Checked:
     """Checks the documents of a batch.
 
     Raises:
@@ -216,7 +218,7 @@ def _checked(context: ApiContext, documents: Sequence[Any], overrides: Overrides
     for item, document in enumerate(documents):
         try:
             scenario = read_batch_scenario(document)
-            valid = scenario.checked(checker.validated)
+            valid = scenario.check_document(checker.validate)
             own = overrides if scenario.seed is None else replace(overrides, seed=scenario.seed)
             runs.append(new_run(valid, own, item=item, label=scenario.label))
             checked.notes[item] = valid.notes

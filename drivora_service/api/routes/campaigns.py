@@ -14,7 +14,7 @@ from drivora_service.api.documentation import recorded_examples
 from drivora_service.api.documentation.openapi import answers, campaign_body
 from drivora_service.api.guards.authorization import reader, submitter
 from drivora_service.api.guards.entity_tags import json_answer
-from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, done_once
+from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, run_once
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.campaigns import (
     Campaign,
@@ -68,7 +68,7 @@ def post_campaign(
     form = request_bodies.document_format(request)
 
     def prepare() -> Work:
-        valid, _ = _prepared(context, body, form)
+        valid, _ = _prepare_campaign(context, body, form)
 
         def commit(transaction: Transaction) -> Answer:
             from drivora_service.campaigns.records.stored_campaigns import new_campaign
@@ -84,7 +84,7 @@ def post_campaign(
 
         return Work(commit=commit)
 
-    response = done_once(request, context, idempotency_key, body, prepare)
+    response = run_once(request, context, idempotency_key, body, prepare)
     context.campaigns.wake()
     return response
 
@@ -101,7 +101,7 @@ def validate_campaign(
 ) -> CampaignValidation:
     """Checks a campaign as posting it would, and answers with the same problems."""
     form = request_bodies.document_format(request)
-    valid, search = _prepared(context, body, form)
+    valid, search = _prepare_campaign(context, body, form)
     return CampaignValidation(
         valid=True,
         tester=valid.campaign.tester.name,
@@ -177,7 +177,7 @@ def get_campaign(request: Request, context: Context, campaign_id: str) -> Respon
 )
 def pause_campaign(context: Context, campaign_id: str) -> Campaign:
     """Pauses a campaign after the evaluation that is being told; it can be resumed."""
-    return _asked(context, campaign_id, CampaignRequest.PAUSE)
+    return _request_stop(context, campaign_id, CampaignRequest.PAUSE)
 
 
 @router.post(
@@ -189,7 +189,7 @@ def pause_campaign(context: Context, campaign_id: str) -> Campaign:
 )
 def cancel_campaign(context: Context, campaign_id: str) -> Campaign:
     """Cancels a campaign permanently; what it has found stays."""
-    return _asked(context, campaign_id, CampaignRequest.CANCEL)
+    return _request_stop(context, campaign_id, CampaignRequest.CANCEL)
 
 
 @router.post(
@@ -206,7 +206,7 @@ def resume_campaign(context: Context, campaign_id: str) -> Campaign:
         return _campaign(context, transaction, campaign_id)
 
 
-def _prepared(
+def _prepare_campaign(
     context: ApiContext, body: bytes, form: Literal["json", "yaml"]
 ) -> tuple[ValidCampaign, Search]:
     """Reads a campaign, and makes what the space and the tester may refuse."""
@@ -218,7 +218,7 @@ def _prepared(
     return valid, prepare_search(valid, context.catalogues, run_prefix="")
 
 
-def _asked(context: ApiContext, campaign_id: str, request: CampaignRequest) -> Campaign:
+def _request_stop(context: ApiContext, campaign_id: str, request: CampaignRequest) -> Campaign:
     with context.database.read() as transaction:
         record = transaction.campaigns.get(campaign_id)
     if record.state is CampaignState.FINISHED:
@@ -238,14 +238,14 @@ def _campaign(
 ) -> Campaign:
     record = transaction.campaigns.get(campaign_id)
     if not _is_deserted(context, record):
-        return _described(transaction, record, valid)
+        return _make_campaign(transaction, record, valid)
     # Its command may have ended since this transaction began: what is stored then is final.
     with context.database.read() as later:
         record = later.campaigns.get(campaign_id)
-        return _described(later, _interrupted(record), valid)
+        return _make_campaign(later, _mark_interrupted(record), valid)
 
 
-def _described(
+def _make_campaign(
     transaction: Transaction, record: CampaignRecord, valid: ValidCampaign | None
 ) -> Campaign:
     kinds = transaction.campaign_views.kinds(record.id)
@@ -260,7 +260,7 @@ def _as_seen(context: ApiContext, campaign: CampaignSummary) -> CampaignSummary:
         return campaign
     with context.database.read() as later:
         record = later.campaigns.get(campaign.id)
-    return _interrupted(replace(campaign, state=record.state))
+    return _mark_interrupted(replace(campaign, state=record.state))
 
 
 def _is_deserted(context: ApiContext, campaign: CampaignSummary) -> bool:
@@ -272,7 +272,7 @@ def _is_deserted(context: ApiContext, campaign: CampaignSummary) -> bool:
     )
 
 
-def _interrupted(campaign: C) -> C:
+def _mark_interrupted(campaign: C) -> C:
     if campaign.state is not CampaignState.RUNNING:
         return campaign
     return replace(campaign, state=CampaignState.INTERRUPTED)

@@ -173,13 +173,13 @@ async def get_picture(
 ) -> Response:
     """Returns a strip of moments of the second, identical run of a failing candidate, as SVG."""
 
-    def recorded() -> tuple[EvaluationRecord, str]:
+    def read_record() -> tuple[EvaluationRecord, str]:
         with context.database.read() as transaction:
             record = transaction.evaluations.get(campaign_id, number)
             document = transaction.evaluations.document(campaign_id, number)
         return record, from_canonical(document).map_region.town
 
-    record, town = await asyncio.to_thread(recorded)
+    record, town = await asyncio.to_thread(read_record)
     path = context.campaign_folder(campaign_id).trace(trace_name(number))
     if not path.is_file():
         raise _no_trace(number)
@@ -252,12 +252,12 @@ def get_table(
     with context.database.read() as transaction:
         campaign = transaction.campaigns.get(campaign_id)
 
-    def opened() -> Table:
+    def open_table() -> Table:
         from drivora_service.studies.tables.evaluation_tables import campaign_table
 
         return campaign_table(context.database, campaign_id, table, after=after)
 
-    return table_answer(request, table, opened, columns, owner=campaign.name)
+    return table_answer(request, table, open_table, columns, owner=campaign.name)
 
 
 def _no_trace(number: int) -> UnknownName:

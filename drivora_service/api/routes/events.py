@@ -75,14 +75,16 @@ async def get_events(
     # Counted before it reads: what is refused costs no look at the database.
     feed.join()
     try:
-        wanted = await feed.read(partial(_wanted, kinds=kinds, of=of, after=last_event_id or after))
+        wanted = await feed.read(
+            partial(_read_wanted, kinds=kinds, of=of, after=last_event_id or after)
+        )
     except BaseException:
         feed.leave()
         raise
     return EventStream(feed, wanted, partial(is_valid, request))
 
 
-def _wanted(
+def _read_wanted(
     transaction: Transaction, *, kinds: frozenset[EventKind], of: str, after: str
 ) -> Wanted:
     if of and not transaction.changes.has(of):

@@ -20,7 +20,7 @@ from drivora_service.api.documentation import recorded_examples
 from drivora_service.api.documentation.openapi import answers, scenario_body
 from drivora_service.api.guards.authorization import reader, submitter
 from drivora_service.api.guards.entity_tags import json_answer
-from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, done_once
+from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, run_once
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.jobs import Job, job_of
 from drivora_service.api_paths import PREFIX
@@ -56,7 +56,7 @@ def post_job(
 
     def prepare() -> Work:
         check_overrides(context, overrides)
-        valid = Checker(context, overrides).validated(body, form)
+        valid = Checker(context, overrides).validate(body, form)
         run = new_run(valid, overrides, item=0, label=label)
         owner_id = context.reserve(1)
 
@@ -69,7 +69,7 @@ def post_job(
 
         return Work(commit=commit)
 
-    response = done_once(request, context, idempotency_key, body, prepare)
+    response = run_once(request, context, idempotency_key, body, prepare)
     context.wake()
     return response
 

@@ -14,7 +14,7 @@ from drivora_service.api.documentation import recorded_examples
 from drivora_service.api.documentation.openapi import answers
 from drivora_service.api.guards.authorization import reader, submitter
 from drivora_service.api.guards.entity_tags import json_answer
-from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, done_once
+from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, run_once
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.minimizations import (
     Minimization,
@@ -78,7 +78,7 @@ def minimize_run(
 
         return Work(commit=commit)
 
-    response = done_once(request, context, idempotency_key, body, prepare)
+    response = run_once(request, context, idempotency_key, body, prepare)
     context.minimizations.wake()
     return response
 
@@ -127,10 +127,10 @@ def get_minimization(request: Request, context: Context, minimization_id: str) -
 )
 def cancel_minimization(context: Context, minimization_id: str) -> Minimization:
     """Cancels a minimisation and its runs; the smallest scenario so far stays."""
-    return _cancelled(context, minimization_id)
+    return _cancel(context, minimization_id)
 
 
-def _cancelled(context: ApiContext, minimization_id: str) -> Minimization:
+def _cancel(context: ApiContext, minimization_id: str) -> Minimization:
     with context.database.write() as transaction:
         transaction.minimizations.cancel(minimization_id)
         minimization = _minimization(transaction, minimization_id)

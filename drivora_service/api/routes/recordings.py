@@ -11,8 +11,8 @@ from fastapi import Depends, Query, Request, Response
 from drivora_service.api.answers.arrow_answer import ARROW, arrow_answer
 from drivora_service.api.answers.recorded_run import (
     ego_of,
+    find_recorded_run,
     is_driven_by_sumo,
-    recorded_run,
     scenario_of,
     view_of,
 )
@@ -43,7 +43,7 @@ EgoRow = Annotated[int, Query(ge=0, le=10**4, description="Row of the ego in the
 )
 def get_timeline(request: Request, context: Context, run_id: str) -> Response:
     """Returns what happened when in a run: violations, signals, actors, lines of agents' logs."""
-    run = recorded_run(context, run_id)
+    run = find_recorded_run(context, run_id)
 
     def content() -> bytes:
         from drivora_service.api.answers.run_timeline import timeline_of
@@ -61,7 +61,7 @@ def get_timeline(request: Request, context: Context, run_id: str) -> Response:
 )
 def get_series(request: Request, context: Context, run_id: str, ego: EgoRow = 0) -> Response:
     """Returns values of an ego by step, as oracles and metrics measure them; also as Arrow."""
-    run = recorded_run(context, run_id)
+    run = find_recorded_run(context, run_id)
     form = accepted_form(request, (JSON, ARROW))
     etag = digest(f"series {ego} {_software()} {run.state}".encode())
     if form == ARROW:
@@ -88,7 +88,7 @@ def get_series(request: Request, context: Context, run_id: str, ego: EgoRow = 0)
 )
 def get_perception(request: Request, context: Context, run_id: str, ego: EgoRow = 0) -> Response:
     """Returns what an ego perceived: numbers by step, or with Arrow every actor by step."""
-    run = recorded_run(context, run_id)
+    run = find_recorded_run(context, run_id)
     form = accepted_form(request, (JSON, ARROW))
     etag = digest(f"perception {ego} {_software()} {run.state}".encode())
     if form == ARROW:

@@ -10,7 +10,7 @@ from fastapi import Depends, Query, Request, Response
 
 from drivora_service.api.answers.query_parameters import Filter, Frames, Limit, PageToken
 from drivora_service.api.answers.recorded_frames import observations_answer
-from drivora_service.api.answers.recorded_run import recorded_run
+from drivora_service.api.answers.recorded_run import find_recorded_run
 from drivora_service.api.answers.run_lookup import find_document, find_overrides, find_run
 from drivora_service.api.answers.run_pictures import Moments, picture_answer
 from drivora_service.api.context import Context
@@ -116,7 +116,7 @@ def get_observations(
     part: Frames,
 ) -> Response:
     """Returns the recording of a run: frames in the published shape, Parquet or Arrow."""
-    run = recorded_run(context, run_id)
+    run = find_recorded_run(context, run_id)
     return observations_answer(request, run.path, run.record.trace_sha256, part)
 
 
@@ -129,7 +129,7 @@ async def get_picture(
     request: Request, context: Context, run_id: str, moments: Moments = 5
 ) -> Response:
     """Returns a strip of moments of a run: those that lead to its gravest violation, as SVG."""
-    run = await asyncio.to_thread(recorded_run, context, run_id)
+    run = await asyncio.to_thread(find_recorded_run, context, run_id)
     return await picture_answer(
         request,
         context,

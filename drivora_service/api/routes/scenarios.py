@@ -38,7 +38,7 @@ def validate_scenario(
     """Checks a scenario as posting it would, and answers with the same problems."""
     form = request_bodies.document_format(request)
     check_overrides(context, overrides)
-    valid = Checker(context, overrides).validated(body, form)
+    valid = Checker(context, overrides).validate(body, form)
     text = canonical_json(valid.scenario)
     agents = dict.fromkeys(ego.agent.name for ego in valid.scenario.ego_vehicles)
     return Validation(

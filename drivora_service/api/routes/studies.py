@@ -14,7 +14,7 @@ from drivora_service.api.documentation import recorded_examples
 from drivora_service.api.documentation.openapi import answers, study_body, table_answers
 from drivora_service.api.guards.authorization import reader, submitter
 from drivora_service.api.guards.entity_tags import json_answer
-from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, done_once
+from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, run_once
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.studies import (
     Study,
@@ -76,7 +76,7 @@ def post_study(
 
         return Work(commit=commit)
 
-    response = done_once(request, context, idempotency_key, body, prepare)
+    response = run_once(request, context, idempotency_key, body, prepare)
     context.studies.wake()
     return response
 
@@ -152,7 +152,7 @@ def get_study(request: Request, context: Context, study_id: str) -> Response:
 )
 def pause_study(context: Context, study_id: str) -> Study:
     """Pauses the campaigns of a study, each after the evaluation that is being told."""
-    return _asked(context, study_id, CampaignRequest.PAUSE)
+    return _request_stop(context, study_id, CampaignRequest.PAUSE)
 
 
 @router.post(
@@ -164,7 +164,7 @@ def pause_study(context: Context, study_id: str) -> Study:
 )
 def cancel_study(context: Context, study_id: str) -> Study:
     """Cancels the campaigns of a study that are not over permanently; what was found stays."""
-    return _asked(context, study_id, CampaignRequest.CANCEL)
+    return _request_stop(context, study_id, CampaignRequest.CANCEL)
 
 
 @router.post(
@@ -262,12 +262,12 @@ def get_table(
     with context.database.read() as transaction:
         study = transaction.studies.get(study_id)
 
-    def opened() -> Table:
+    def open_table() -> Table:
         from drivora_service.studies.tables.study_tables import study_table
 
         return study_table(context.database, study_id, table)
 
-    return table_answer(request, table, opened, columns, owner=study.name)
+    return table_answer(request, table, open_table, columns, owner=study.name)
 
 
 def _read_document(context: ApiContext, body: bytes, form: Literal["json", "yaml"]) -> ValidStudy:
@@ -277,7 +277,7 @@ def _read_document(context: ApiContext, body: bytes, form: Literal["json", "yaml
     return read_study(body, context.catalogues, form)
 
 
-def _asked(context: ApiContext, study_id: str, request: CampaignRequest) -> Study:
+def _request_stop(context: ApiContext, study_id: str, request: CampaignRequest) -> Study:
     stop_study(context.database, study_id, request)
     context.studies.wake()
     context.wake()

@@ -13,7 +13,7 @@ from drivora_service.api.documentation import recorded_examples
 from drivora_service.api.documentation.openapi import answers
 from drivora_service.api.guards.authorization import reader, submitter
 from drivora_service.api.guards.entity_tags import json_answer
-from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, done_once
+from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, run_once
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.suites import SuiteList, SuiteRunRequest
 from drivora_service.api_paths import PREFIX
@@ -95,7 +95,7 @@ def post_suite_run(
             body=to_json(SuiteRunRecord, record).decode(),
         )
 
-    return done_once(request, context, idempotency_key, body, lambda: Work(commit=commit))
+    return run_once(request, context, idempotency_key, body, lambda: Work(commit=commit))
 
 
 @router.get(

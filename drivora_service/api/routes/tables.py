@@ -41,7 +41,7 @@ def get_table(
     evaluations of campaigns count whose runs are not stored.
     """
 
-    def opened() -> Table:
+    def open_table() -> Table:
         from drivora_service.studies.tables.result_tables import result_table
 
         ids = campaign_ids(context.database, wanted.campaign_ids)
@@ -51,4 +51,4 @@ def get_table(
     if len(wanted.batch_ids) == 1 and not wanted.campaign_ids and not wanted.study_ids:
         with context.database.read() as transaction:
             owner = transaction.batches.get(wanted.batch_ids[0]).name
-    return table_answer(request, table, opened, columns, owner=owner)
+    return table_answer(request, table, open_table, columns, owner=owner)

@@ -213,7 +213,7 @@ class SpaceDocument(EntityDocument):
 
     @model_validator(mode="before")
     @classmethod
-    def _filled_by_preset(cls, content: object) -> object:
+    def _fill_from_preset(cls, content: object) -> object:
         # The values become part of the document: a stored campaign keeps its space, whatever
         # becomes of the preset.
         if not isinstance(content, Mapping):

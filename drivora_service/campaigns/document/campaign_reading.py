@@ -86,12 +86,12 @@ class ValidCampaign:
     def agent(self) -> str:
         """The names of the agents of all egos, for lists."""
         egos = [ego for seed in self.seeds for ego in seed.scenario.ego_vehicles]
-        return _listed(sorted({ego.agent.name for ego in egos}), "agents")
+        return _join_names(sorted({ego.agent.name for ego in egos}), "agents")
 
     @property
     def town(self) -> str:
         """The names of the road networks, for lists."""
-        return _listed([network.name for network in self._networks], "road networks")
+        return _join_names([network.name for network in self._networks], "road networks")
 
     @property
     def network_sha256(self) -> str:
@@ -131,7 +131,7 @@ _LONGEST_LIST = 100
 """Characters of a column for lists."""
 
 
-def _listed(names: Sequence[str], what: str) -> str:
+def _join_names(names: Sequence[str], what: str) -> str:
     text = ", ".join(names)
     return text if len(text) <= _LONGEST_LIST else f"{len(names)} {what}"
 
@@ -176,7 +176,9 @@ def read_campaign(
         raise InvalidDocument(in_document_order(problems, content))
     campaign = to_campaign(document)
     seeds = tuple(
-        SeedScenario(name=name, scenario=_driven_by(campaign, one.scenario), network=one.network)
+        SeedScenario(
+            name=name, scenario=_replace_agent(campaign, one.scenario), network=one.network
+        )
         for name, one in zip(document.seeds, found, strict=True)
     )
     return ValidCampaign(
@@ -407,7 +409,7 @@ def _unknown(pointer: str, error: UnknownName, listed_by: str) -> Problem:
     )
 
 
-def _driven_by(campaign: Campaign, seed: Scenario) -> Scenario:
+def _replace_agent(campaign: Campaign, seed: Scenario) -> Scenario:
     if campaign.agent is None:
         return seed
     egos = tuple(replace(ego, agent=campaign.agent) for ego in seed.ego_vehicles)

@@ -126,7 +126,7 @@ class QueueEvaluator:
         if changes is not None and changes == self._changes:
             return ()
         with self._database.read() as transaction:
-            ended = transaction.campaign_runs.ended(list(self._open))
+            ended = transaction.campaign_runs.read_reports(list(self._open))
         self._changes = changes
         self._forget_policies([report.run_id for report, _ in ended])
         return tuple(self._answer(report, candidate) for report, candidate in ended)

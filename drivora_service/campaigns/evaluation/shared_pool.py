@@ -140,7 +140,7 @@ class SharedPool:
 
     def _fill(self) -> None:
         """Hands over as many runs as keep the workers busy, from each campaign in turn."""
-        room = self._pace.wanted_in_flight(self._executor.capacity) - len(self._owners)
+        room = self._pace.target_in_flight(self._executor.capacity) - len(self._owners)
         idle = 0
         while room > 0 and idle < len(self._members):
             member = self._members[0]

@@ -96,7 +96,7 @@ class CommandCampaigns:
         begun.result()
 
     def _run(self, campaign_id: str, begun: Future[None]) -> None:
-        watcher = Watcher(requested=self._requested, on_begun=lambda: begun.set_result(None))
+        watcher = Watcher(requested=self._current_request, on_begun=lambda: begun.set_result(None))
         try:
             run_stored(
                 self._database(),
@@ -142,5 +142,5 @@ class CommandCampaigns:
         if is_over:
             raise error
 
-    def _requested(self) -> CampaignRequest:
+    def _current_request(self) -> CampaignRequest:
         return CampaignRequest.PAUSE if self._closing.is_set() else CampaignRequest.NONE

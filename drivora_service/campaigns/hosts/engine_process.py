@@ -94,7 +94,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
         record = transaction.campaigns.get(campaign_id)
 
     @contextlib.contextmanager
-    def evaluating(workers: int | None) -> Iterator[Evaluator]:
+    def open_evaluator(workers: int | None) -> Iterator[Evaluator]:
         few = workers is not None and workers < setup.workers
         evaluator = QueueEvaluator(
             database,
@@ -116,7 +116,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
                 setup.agents,
                 setup.laws,
             ),
-            evaluator=evaluating,
+            evaluator=open_evaluator,
             only_queued=True,
             is_locked=True,
         )

@@ -92,7 +92,7 @@ class StoreJournal:
             return
         # What cannot be written is not tried again: a resumed campaign makes it anew.
         entries, self._unwritten = self._unwritten, []
-        with self._writing() as transaction:
+        with self._write() as transaction:
             transaction.evaluations.append(self._campaign_id, entries, active_s=self.active_s())
 
     def document(self, number: int) -> str:
@@ -109,15 +109,15 @@ class StoreJournal:
 
     def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
         """Writes whether an identical run repeated the failures of an evaluation."""
-        with self._writing() as transaction:
+        with self._write() as transaction:
             transaction.evaluations.confirm(self._campaign_id, number, confirmation, trace=trace)
 
     def group(self, groups: Mapping[tuple[int, int], int]) -> None:
         """Writes the groups of failures."""
-        with self._writing() as transaction:
+        with self._write() as transaction:
             transaction.evaluations.group(self._campaign_id, groups)
 
-    def requested(self) -> CampaignRequest:
+    def read_request(self) -> CampaignRequest:
         """Returns the pending request to the campaign, as it was a moment ago.
 
         Takes locks of this process again that were lost with a connection: in a command, nothing
@@ -141,13 +141,13 @@ class StoreJournal:
         Raises:
             Conflict: Another process has taken it over.
         """
-        with self._writing() as transaction:
+        with self._write() as transaction:
             return transaction.campaigns.end(
                 self._campaign_id, state, message=message, active_s=self.active_s()
             )
 
     @contextmanager
-    def _writing(self) -> Iterator[Transaction]:
+    def _write(self) -> Iterator[Transaction]:
         with self._database.write() as transaction:
             transaction.campaigns.require_claim(self._campaign_id, self._claim)
             yield transaction

@@ -97,7 +97,7 @@ def run_stored(
             record = transaction.campaigns.begin(campaign_id, only_queued=only_queued, claim=claim)
         watcher.on_begun()
         journal = StoreJournal(database, campaign_id, claim=claim)
-        asking = replace(watcher, requested=lambda: watcher.requested() or journal.requested())
+        asking = replace(watcher, requested=lambda: watcher.requested() or journal.read_request())
         try:
             valid = read_campaign(record.document, catalogues)
             _refuse_other_network(record, valid)

@@ -173,7 +173,7 @@ class Engine:
                     number=self._next,
                     turn=turn,
                     proposal=turn.take(proposal, self._next),
-                    asked_sha256=_sha256(_asked(proposal)),
+                    asked_sha256=_sha256(_encode_proposal(proposal)),
                     stored=next(self._stored, None),
                 )
                 self._next += 1
@@ -206,7 +206,7 @@ class Engine:
         Raises:
             CampaignError: It proposes too many candidates, or values that are no finite numbers.
         """
-        proposals = self._timed("asked", lambda: part.tester.ask(room))
+        proposals = self._call_tester("asked", lambda: part.tester.ask(room))
         if len(proposals) > room:
             raise CampaignError(
                 f"the tester was asked for at most {room} candidates and proposed {len(proposals)}"
@@ -245,7 +245,7 @@ class Engine:
         # Also for a replayed evaluation: its time was counted before the campaign was resumed.
         self._search_s = 0.0
         evaluation = waiting.turn.of_tester(evaluation_of(record))
-        self._timed("told", lambda: waiting.turn.part.tester.tell(evaluation))
+        self._call_tester("told", lambda: waiting.turn.part.tester.tell(evaluation))
         self._judged += record.status is EvaluationStatus.JUDGED
         self._failed += record.status is EvaluationStatus.FAILED
         self._on_told(Told(record=record, replayed=waiting.stored is not None))
@@ -311,7 +311,7 @@ class Engine:
         """
         new, old = waiting.proposal, stored.proposal
         problem = ""
-        if _making(new) != _making(old):
+        if _provenance(new) != _provenance(old):
             problem = "another origin"
         elif stored.asked_sha256 not in ("", waiting.asked_sha256):
             problem = "other values"
@@ -332,7 +332,7 @@ class Engine:
                 "original versions, or start a new one"
             )
 
-    def _timed(self, call: str, work: Callable[[], T]) -> T:
+    def _call_tester(self, call: str, work: Callable[[], T]) -> T:
         """Calls the tester and attributes its exceptions to it."""
         # Of this thread: other campaigns of the process take turns with it.
         begun = time.thread_time()
@@ -350,12 +350,12 @@ class Engine:
             self._search_s += time.thread_time() - begun
 
 
-def _making(proposal: Proposal) -> tuple[object, ...]:
+def _provenance(proposal: Proposal) -> tuple[object, ...]:
     """Returns how a candidate was made."""
     return proposal.origin, proposal.generation, proposal.parents, proposal.redrawn
 
 
-def _asked(proposal: Proposal) -> bytes:
+def _encode_proposal(proposal: Proposal) -> bytes:
     """Returns what identifies a proposal when its campaign is resumed.
 
     The policy of an adversary is left out: it follows from evaluations that are compared, and a

@@ -18,7 +18,7 @@ from drivora_service.errors import InvalidDocument, NetworkError, Problem, Searc
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.planned_motion import PlannedMotion
 from drivora_service.scenario.model import NpcBehavior, Scenario
-from drivora_service.search.catalogue import components_named
+from drivora_service.search.catalogue import make_components
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.space_candidates import ScenarioCandidates
 from drivora_service.search.tester import Checkpoints, Tester, TesterContext
@@ -117,7 +117,7 @@ def _tester(
         ego_distance=space.ego_distance,
         checkpoints=checkpoints,
     )
-    components = components_named(mutation=choice.mutation, selection=choice.selection)
+    components = make_components(mutation=choice.mutation, selection=choice.selection)
     tester = catalogues.testers.create(choice.name, context, choice.parameters, components)
     if choice.feedback is FeedbackMode.SHUFFLED:
         return ShuffledFeedback(tester, _generator(campaign.seed, _SHUFFLE, place))
@@ -134,9 +134,9 @@ def _planned_motions(
     scenario: Scenario, network: RoadNetwork, until: float
 ) -> tuple[PlannedMotion, ...]:
     # Imported here: only few candidates are decoded outside workers, and it loads the simulation.
-    from drivora_service.simulation.followers.free_motion import planned_motions
+    from drivora_service.simulation.followers.free_motion import plan_motions
 
-    return planned_motions(scenario, network, until)
+    return plan_motions(scenario, network, until)
 
 
 def _refusal(pointer: str, code: str, named: str, error: Exception) -> InvalidDocument:

@@ -26,7 +26,7 @@ _RETRY_S = 20.0
 
 
 @contextmanager
-def terminated_by_interrupt() -> Iterator[None]:
+def interrupt_on_sigterm() -> Iterator[None]:
     """Handles the first request to terminate (SIGTERM) as an interrupt, and ignores later ones.
 
     A supervisor may send several at once, and what the interrupt ends must be ended in order.
@@ -47,7 +47,7 @@ def terminated_by_interrupt() -> Iterator[None]:
 
 
 @contextmanager
-def connected(
+def open_client(
     server: str,
     data_dir: Path | None,
     *,
@@ -94,7 +94,7 @@ def connected(
         from drivora_service.client import Client
 
         with (
-            terminated_by_interrupt(),
+            interrupt_on_sigterm(),
             Client(server, retry_s=_RETRY_S, on_retry=_say_retry) as client,
         ):
             yield client
@@ -102,7 +102,7 @@ def connected(
     from drivora_service.cli.terminal.private_files import private_files
 
     with private_files():
-        yield from _in_process(
+        yield from _open_in_process(
             settings,
             works=works,
             makes_data=makes_data,
@@ -112,7 +112,7 @@ def connected(
         )
 
 
-def _in_process(
+def _open_in_process(
     settings: Settings,
     *,
     works: bool,
@@ -142,7 +142,7 @@ def _in_process(
         makes_data=makes_data,
         on_error=on_error,
     )
-    with terminated_by_interrupt(), Client(transport=ApplicationTransport(app)) as client:
+    with interrupt_on_sigterm(), Client(transport=ApplicationTransport(app)) as client:
         yield client
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drivora_service.oracles.laws.sources import law_sources
+from drivora_service.oracles.laws.sources import read_law_sources
 from drivora_service.settings import Settings, load_settings
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def catalogues_for(data_dir: Path | None) -> Catalogues:
 
     settings = settings_for(data_dir)
     return Catalogues(
-        network_catalogue(settings), settings.agents_folder, law_sources(settings.laws_folder)
+        network_catalogue(settings), settings.agents_folder, read_law_sources(settings.laws_folder)
     )
 
 
@@ -40,4 +40,4 @@ def oracle_catalogue(settings: Settings) -> OracleCatalogue:
     """Returns the oracles of this installation, with the user's traffic laws."""
     from drivora_service.oracles.catalogue import OracleCatalogue
 
-    return OracleCatalogue(law_sources(settings.laws_folder))
+    return OracleCatalogue(read_law_sources(settings.laws_folder))

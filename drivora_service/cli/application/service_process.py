@@ -23,7 +23,7 @@ _POLL_S = 0.05
 
 
 @contextmanager
-def running_service(data_dir: Path, *, workers: int) -> Iterator[str]:
+def run_service(data_dir: Path, *, workers: int) -> Iterator[str]:
     """Starts a service on a free port of loopback and yields its address; ends it afterwards.
 
     Its log is ``service.log`` in the data folder.
@@ -36,7 +36,7 @@ def running_service(data_dir: Path, *, workers: int) -> Iterator[str]:
     announcement.unlink(missing_ok=True)
     command = [sys.executable, "-m", "drivora_service.cli", "serve"]
     options = ["--data-dir", str(data_dir), "--workers", str(workers), "--host", "127.0.0.1"]
-    with open(data_dir / "service.log", "ab", opener=_private) as log:
+    with open(data_dir / "service.log", "ab", opener=_open_private) as log:
         process = subprocess.Popen(
             [*command, *options, "--port", "0"],
             stdout=log,
@@ -55,7 +55,7 @@ def running_service(data_dir: Path, *, workers: int) -> Iterator[str]:
             process.wait()
 
 
-def _private(path: str, flags: int) -> int:
+def _open_private(path: str, flags: int) -> int:
     return os.open(path, flags, 0o600)
 
 

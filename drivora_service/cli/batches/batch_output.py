@@ -8,6 +8,8 @@ from drivora_service.suites.paired.batch_comparison_text import (
     FAILURE_COLUMNS,
     FAILURES_OF_PAIR,
     METRIC_COLUMNS,
+    describe_differences,
+    discordant_pairs,
     failure_cells,
     failure_rows,
     how_to_read_failures,
@@ -15,9 +17,7 @@ from drivora_service.suites.paired.batch_comparison_text import (
     metric_cells,
     pair_cells,
     pair_columns,
-    setting_lines,
     sides,
-    telling_pairs,
 )
 
 
@@ -25,7 +25,7 @@ def print_batch_comparison(comparison: BatchComparison) -> None:
     """Prints how things stand, then the tables."""
     for name, line in sides(comparison):
         print(f"{name}: {line}")
-    for line in setting_lines(comparison):
+    for line in describe_differences(comparison):
         print(line)
     print()
     print_prose(comparison.sentence)
@@ -46,7 +46,7 @@ def print_batch_comparison(comparison: BatchComparison) -> None:
         print_prose(how_to_read_metrics())
     if equal:
         print(f"Metrics that are equal in the mean, or not measurable: {equal}")
-    telling = telling_pairs(comparison)
+    telling = discordant_pairs(comparison)
     if telling:
         print()
         print_table(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import (
     DataDirOption,
@@ -16,7 +16,7 @@ from drivora_service.cli.terminal.options import (
     WorkersOption,
     location,
 )
-from drivora_service.cli.terminal.out_option import check_folder, writing
+from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
 from drivora_service.cli.terminal.output import JsonOption, note, print_shape
 from drivora_service.errors import ConfigurationError
 
@@ -108,7 +108,7 @@ def compare(
             "and B, name their agents: --agent-a, --agent-b, --parameter-a, --parameter-b"
         )
     complete = True
-    with connected(
+    with open_client(
         server, data_dir, works=runs_both, makes_data=runs_both, workers=workers
     ) as client:
         if runs_both:
@@ -144,7 +144,7 @@ def _show(comparison: BatchComparison, out: Path | None, *, as_json: bool) -> No
     if out is not None:
         from drivora_service.suites.paired.batch_comparison_files import write_batch_comparison
 
-        with writing(out):
+        with convert_write_errors(out):
             written = write_batch_comparison(comparison, out)
         for path in written:
             note(str(path))

@@ -70,7 +70,7 @@ def run_as_both(
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
     files, unreadable = read_files(scenarios, agent=a.agent or b.agent)
-    lines = [f"{file.path}: {_told(file.problems)}" for file in unreadable]
+    lines = [f"{file.path}: {_format_problems(file.problems)}" for file in unreadable]
     batches: dict[str, str] = {}
     with run_progress(_NAMES, total=len(files)) as count:
         for name, side in zip(_NAMES, (a, b), strict=True):
@@ -84,19 +84,21 @@ def run_as_both(
                 where=where,
                 batch_name=f"drivora compare, {name}",
                 on_posted=partial(batches.__setitem__, name),
-                on_result=partial(_counted, count, name),
+                on_result=partial(_count_result, count, name),
             )
             refused = [result for result in results if result.run is None]
-            lines += [f"{name}, {one.scenario}: {_told(one.problems)}" for one in refused]
+            lines += [
+                f"{name}, {one.scenario}: {_format_problems(one.problems)}" for one in refused
+            ]
             if name not in batches:
                 message = f"no scenario can be run as {name}:\n" + "\n".join(lines)
                 raise InvalidDocument((Problem(pointer="", code="no_scenario", message=message),))
     return BothRun(a=batches["A"], b=batches["B"], problems=tuple(lines))
 
 
-def _counted(count: Callable[[str], None], name: str, _result: ScenarioResult) -> None:
+def _count_result(count: Callable[[str], None], name: str, _result: ScenarioResult) -> None:
     count(name)
 
 
-def _told(problems: Sequence[Problem]) -> str:
+def _format_problems(problems: Sequence[Problem]) -> str:
     return "; ".join(f"{one.pointer or '/'}: {one.message}" for one in problems)

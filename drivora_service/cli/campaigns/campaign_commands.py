@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.campaigns.campaign_export_command import export
 from drivora_service.cli.campaigns.campaign_presets_command import presets
 from drivora_service.cli.campaigns.comparison_commands import compare, report
@@ -93,7 +93,7 @@ def run(
     """
     _refuse_detaching(detach, server)
     check_folder(out)
-    with connected(
+    with open_client(
         server,
         data_dir,
         works=True,
@@ -108,7 +108,7 @@ def run(
 
         from drivora_service.cli.campaigns.campaign_files import read_campaign_file
 
-        with _problems_of(file):
+        with _exit_on_problems(file):
             document = read_campaign_file(file)
             chosen = _gate_of_document(document, gate_oracle or (), is_wanted=gate)
             campaign = client.post_campaign(json.dumps(document))
@@ -145,7 +145,7 @@ def resume(
     """Resumes a campaign that was paused, failed or killed, as if it had not been interrupted."""
     _refuse_detaching(detach, server)
     check_folder(out)
-    with connected(
+    with open_client(
         server,
         data_dir,
         works=True,
@@ -178,7 +178,7 @@ def list_campaigns(
     as_json: JsonOption = False,
 ) -> None:
     """Lists campaigns, newest first."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         campaigns = tuple(client.campaigns(limit=limit))
     from drivora_service.cli.campaigns.campaign_output import print_campaigns
     from drivora_service.store.campaigns.campaign_records import CampaignSummary
@@ -201,7 +201,7 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows a campaign and the failures that it has found, or one of its evaluations."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         if evaluation is None:
             _show(client, client.campaign(campaign_id), as_json=as_json)
             return
@@ -226,7 +226,7 @@ def scenario(
 ) -> None:
     """Prints the scenario of an evaluation, for `drivora run`."""
     check_file(out)
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         text = client.evaluation_scenario(campaign_id, number)
     write_text(text, out)
 
@@ -239,7 +239,7 @@ def pause(
     as_json: JsonOption = False,
 ) -> None:
     """Pauses a campaign, whichever process runs it."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         _say_state(client.pause_campaign(campaign_id), as_json=as_json)
 
 
@@ -251,7 +251,7 @@ def cancel(
     as_json: JsonOption = False,
 ) -> None:
     """Cancels a campaign permanently; what it has found stays."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         _say_state(client.cancel_campaign(campaign_id), as_json=as_json)
 
 
@@ -262,7 +262,7 @@ app.command()(presets)
 
 
 @contextmanager
-def _problems_of(file: Path) -> Iterator[None]:
+def _exit_on_problems(file: Path) -> Iterator[None]:
     """Prints what is wrong with a campaign file, each problem with its place."""
     try:
         yield

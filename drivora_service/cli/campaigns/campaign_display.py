@@ -40,7 +40,7 @@ class CampaignDisplay:
         left = "" if campaign.left_s is None else f", {duration(campaign.left_s)} left"
         pace = "" if campaign.rate is None else f"{campaign.rate:.1f}/s{left}"
         self._bar.update(self._task, completed=campaign.simulations, pace=pace)
-        self._found.plain = _found(campaign)
+        self._found.plain = _format_findings(campaign)
 
 
 @contextmanager
@@ -56,7 +56,7 @@ def campaign_display(budget: int) -> Iterator[CampaignDisplay]:
             console.line()
 
 
-def _found(campaign: Campaign) -> str:
+def _format_findings(campaign: Campaign) -> str:
     counts = campaign.counts
     parts = [
         f"failing {counts.violating}: {len(campaign.kinds)} kinds, {counts.at_fault} at fault, "

@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
-from drivora_service.cli.terminal.out_option import check_folder, writing
+from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
 from drivora_service.cli.terminal.output import JsonOption, note, print_json
 
 
@@ -52,13 +52,15 @@ def export(
 ) -> None:
     """Adds the scenarios of found failures to a suite, which has none twice."""
     check_folder(suite)
-    with connected(server, data_dir) as client:
-        from drivora_service.cli.campaigns.campaign_scenarios import found_scenarios
+    with open_client(server, data_dir) as client:
+        from drivora_service.cli.campaigns.campaign_scenarios import find_failure_scenarios
         from drivora_service.suites.gate.counted_failures import Counted
         from drivora_service.suites.suite_exporting import export_scenarios
 
-        found = found_scenarios(client, campaigns, each=each, counted=Counted(counts), most=most)
-        with writing(suite):
+        found = find_failure_scenarios(
+            client, campaigns, each=each, counted=Counted(counts), most=most
+        )
+        with convert_write_errors(suite):
             done = export_scenarios(suite, found, name=suite.resolve().name)
     if as_json:
         print_json(

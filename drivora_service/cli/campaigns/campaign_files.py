@@ -36,14 +36,14 @@ def read_campaign_file(path: Path) -> dict[str, Any]:
         raise InvalidDocument(tuple(problems))
     scenario = content.get("scenario")
     if isinstance(scenario, Mapping) and set(scenario) == {"file"}:
-        content["scenario"] = _scenario_of(scenario["file"], path.parent)
+        content["scenario"] = _read_scenario(scenario["file"], path.parent)
     elif isinstance(scenario, Mapping) and set(scenario) == {"folder"}:
         del content["scenario"]
-        content["scenarios"] = _scenarios_of(scenario["folder"], path.parent)
+        content["scenarios"] = _read_scenarios(scenario["folder"], path.parent)
     return content
 
 
-def _scenarios_of(name: object, folder: Path) -> list[dict[str, Any]]:
+def _read_scenarios(name: object, folder: Path) -> list[dict[str, Any]]:
     """Reads all scenarios of a folder, in order of name."""
     if not isinstance(name, str) or not name:
         raise _refusal("found no name; a path relative to the campaign file is needed", "folder")
@@ -75,7 +75,7 @@ def _scenarios_of(name: object, folder: Path) -> list[dict[str, Any]]:
     ]
 
 
-def _scenario_of(name: object, folder: Path) -> dict[str, Any]:
+def _read_scenario(name: object, folder: Path) -> dict[str, Any]:
     if not isinstance(name, str) or not name:
         raise _refusal("found no file name; a path relative to the campaign file is needed")
     path = folder / name

@@ -31,7 +31,7 @@ class DrawnReport:
     pictures: Mapping[int, Path]
 
 
-def drawn_report(
+def draw_report(
     client: Client, campaign_id: str, data_dir: Path | None, folder: Path | None
 ) -> DrawnReport:
     """Reports on a campaign.
@@ -62,7 +62,7 @@ def drawn_report(
     if not _has_networks(catalogues.networks, report):
         return DrawnReport(report=report, pictures={})
     with tempfile.TemporaryDirectory(prefix="drivora-") as scratch:
-        fetched = _with_traces(report, client, Path(scratch))
+        fetched = _fetch_traces(report, client, Path(scratch))
         pictures = draw_examples(fetched, Path(scratch), catalogues, folder)
     return DrawnReport(report=report, pictures=pictures)
 
@@ -82,7 +82,7 @@ def _has_networks(networks: NetworkCatalogue, report: CampaignReport) -> bool:
     return True
 
 
-def _with_traces(report: CampaignReport, client: Client, folder: Path) -> CampaignReport:
+def _fetch_traces(report: CampaignReport, client: Client, folder: Path) -> CampaignReport:
     """Fetches the traces of the examples, and names them as a folder of traces does."""
     for one in report.groups:
         target = folder / trace_name(one.example.evaluation)

@@ -16,7 +16,7 @@ from drivora_service.suites.gate.counted_failures import COUNTED, Counted
 from drivora_service.suites.suite_exporting import FoundScenario, slug, tag
 
 
-def found_scenarios(
+def find_failure_scenarios(
     client: Client,
     campaigns: Sequence[str],
     *,
@@ -47,7 +47,7 @@ def found_scenarios(
             if one.confirmation is not Confirmation.FLAKY
             and accountability(one.verdict) in COUNTED[counted]
         ]
-        for failure, oracles in _chosen(failures, each):
+        for failure, oracles in _choose_failures(failures, each):
             if most is not None and taken >= most:
                 return
             taken += 1
@@ -56,7 +56,9 @@ def found_scenarios(
             yield _scenario(document, failure, oracles, campaign)
 
 
-def _chosen(failures: Sequence[Failure], each: str) -> Iterator[tuple[Failure, tuple[str, ...]]]:
+def _choose_failures(
+    failures: Sequence[Failure], each: str
+) -> Iterator[tuple[Failure, tuple[str, ...]]]:
     """Yields one failure of each kind or group, with all oracles violated in its evaluation."""
     confirmed_first = sorted(
         failures, key=lambda one: (one.confirmation is not Confirmation.CONFIRMED, one.evaluation)

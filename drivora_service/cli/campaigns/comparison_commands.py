@@ -7,14 +7,14 @@ from typing import Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import (
     DataDirOption,
     EqualTimeOption,
     ServerOption,
     location,
 )
-from drivora_service.cli.terminal.out_option import check_file, check_folder, writing
+from drivora_service.cli.terminal.out_option import check_file, check_folder, convert_write_errors
 from drivora_service.cli.terminal.output import JsonOption, note, print_shape, write_text
 
 
@@ -41,7 +41,7 @@ def compare(
 ) -> None:
     """Compares methods by finished campaigns: effect sizes, p-values, tables, charts."""
     check_folder(out)
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         comparison = client.compare_campaigns(
             wanted,
             baseline=baseline,
@@ -57,7 +57,7 @@ def compare(
     if out is not None:
         from drivora_service.studies.comparison.campaign_comparison_files import write_comparison
 
-        with writing(out):
+        with convert_write_errors(out):
             written = write_comparison(comparison, out)
         for path in written:
             note(str(path))
@@ -83,13 +83,13 @@ def report(
     folder = None if out is None else out.with_name(f"{out.stem}-pictures")
     check_file(out)
     # With --server the data folder is for the road networks of pictures.
-    with connected(server, None if server else data_dir) as client:
-        from drivora_service.cli.campaigns.campaign_reports import drawn_report
+    with open_client(server, None if server else data_dir) as client:
+        from drivora_service.cli.campaigns.campaign_reports import draw_report
         from drivora_service.cli.terminal.private_files import give_to_user
 
         is_new = folder is not None and not folder.exists()
-        with writing(folder):
-            told = drawn_report(client, campaign_id, data_dir, folder)
+        with convert_write_errors(folder):
+            told = draw_report(client, campaign_id, data_dir, folder)
             for picture in told.pictures.values():
                 give_to_user(picture)
                 if is_new:

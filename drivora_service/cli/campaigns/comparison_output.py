@@ -9,9 +9,9 @@ from drivora_service.studies.accountable_counts import COLUMNS, accountable_rows
 from drivora_service.studies.comparison.campaign_comparison import Comparison
 from drivora_service.studies.comparison.campaign_comparison_text import (
     a12,
+    describe_setting,
     how_to_read,
     probability,
-    setting,
     value,
 )
 from drivora_service.studies.comparison.campaign_measures import Difference
@@ -19,7 +19,7 @@ from drivora_service.studies.comparison.campaign_measures import Difference
 
 def print_comparison(comparison: Comparison) -> None:
     """Prints a table a measure."""
-    for line in setting(comparison):
+    for line in describe_setting(comparison):
         print(line)
     for remark in comparison.notes:
         print(f"note: {remark}")

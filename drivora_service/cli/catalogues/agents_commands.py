@@ -6,12 +6,12 @@ from typing import Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.catalogues.benchmark_command import benchmark
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
 from drivora_service.cli.terminal.output import (
     JsonOption,
-    named,
+    find_entry,
     note,
     print_json,
     print_models,
@@ -28,7 +28,7 @@ def list_agents(
     server: ServerOption = "", data_dir: DataDirOption = None, as_json: JsonOption = False
 ) -> None:
     """Lists the agents."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         agents = client.agents().items
     if as_json:
         print_models(agents)
@@ -62,8 +62,8 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows an agent with its parameters."""
-    with connected(server, data_dir) as client:
-        agent = named("agent", name, client.agents().items)
+    with open_client(server, data_dir) as client:
+        agent = find_entry("agent", name, client.agents().items)
     if as_json:
         print_json(agent.model_dump(mode="json"))
         return

@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption, WorkersOption
-from drivora_service.cli.terminal.out_option import check_folder, writing
+from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
 from drivora_service.cli.terminal.output import JsonOption, fail, note, print_json
 from drivora_service.cli.terminal.run_progress import run_progress
 
@@ -45,7 +45,7 @@ def benchmark(
     its card; exits with 3 if any failed for another reason.
     """
     check_folder(out)
-    with connected(server, data_dir, works=True, makes_data=True, workers=workers) as client:
+    with open_client(server, data_dir, works=True, makes_data=True, workers=workers) as client:
         from drivora_service.benchmarking.card_courses import RUNS, benchmark_scenarios
         from drivora_service.benchmarking.card_files import cards_content, write_cards
         from drivora_service.cli.application.installation import network_catalogue, settings_for
@@ -53,7 +53,7 @@ def benchmark(
 
         settings = settings_for(data_dir)
         number = RUNS if runs is None else runs
-        entered = card_runs.entrants(client, names or ())
+        entered = card_runs.find_entrants(client, names or ())
         scenarios = (
             [*benchmark_scenarios(network_catalogue(settings), number)] if entered.present else []
         )
@@ -69,7 +69,7 @@ def benchmark(
     else:
         card_runs.print_cards(cards, entered.absent)
     if out is not None:
-        with writing(out):
+        with convert_write_errors(out):
             written = write_cards(cards, entered.absent, out, runs=number, pictures=pictures)
         for path in (*written, *pictures.values()):
             note(str(path))

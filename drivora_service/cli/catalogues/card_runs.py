@@ -10,7 +10,7 @@ from pathlib import Path
 from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.benchmarking.card import AgentCard, BenchmarkRun, card_of
 from drivora_service.benchmarking.card_courses import BenchmarkScenario
-from drivora_service.cli.terminal.output import named, number, print_table
+from drivora_service.cli.terminal.output import find_entry, number, print_table
 from drivora_service.cli.terminal.trace_drawing import draw_trace
 from drivora_service.client import Client
 from drivora_service.scenario.documents import document_text
@@ -34,7 +34,7 @@ class Entrants:
     absent: tuple[AgentEntry, ...]
 
 
-def entrants(client: Client, names: Sequence[str]) -> Entrants:
+def find_entrants(client: Client, names: Sequence[str]) -> Entrants:
     """Looks agents up, each once; without names, all that there are.
 
     Raises:
@@ -44,7 +44,7 @@ def entrants(client: Client, names: Sequence[str]) -> Entrants:
     wanted = dict.fromkeys(names or (agent.name for agent in agents))
     entries = [
         combine(AgentEntry, agent, kind=AgentKind(agent.kind))
-        for agent in (named("agent", name, agents) for name in wanted)
+        for agent in (find_entry("agent", name, agents) for name in wanted)
     ]
     return Entrants(
         present=tuple(entry for entry in entries if entry.installed),

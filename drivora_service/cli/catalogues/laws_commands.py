@@ -65,13 +65,13 @@ def check(
     """
     from drivora_service.errors import InvalidDocument
     from drivora_service.oracles.laws.law_reading import read_laws
-    from drivora_service.oracles.laws.sources import law_source
+    from drivora_service.oracles.laws.sources import read_law_source
 
     checked: list[dict[str, Any]] = []
     wrong = False
     for path in files:
         try:
-            laws = read_laws(law_source(path))
+            laws = read_laws(read_law_source(path))
         except InvalidDocument as error:
             wrong = True
             problems = [
@@ -86,14 +86,14 @@ def check(
         checked.append({"file": str(path), "laws": [_plain(law) for law in laws], "problems": []})
         if not as_json:
             for law in laws:
-                _tell(law)
+                _print_law(law)
     if as_json:
         print_json({"files": checked})
     if wrong:
         raise typer.Exit(ExitCode.GATE_FAILED)
 
 
-def _tell(law: Law) -> None:
+def _print_law(law: Law) -> None:
     print(f"{law.name}: {law.title}")
     print(f"  {law.text}")
     ways = len(law.sub_violations)

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
 from drivora_service.cli.terminal.output import JsonOption, print_json, print_models, print_table
 
@@ -19,7 +19,7 @@ def list_networks(
     server: ServerOption = "", data_dir: DataDirOption = None, as_json: JsonOption = False
 ) -> None:
     """Lists the networks, shipped and imported."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         networks = client.networks().items
     if as_json:
         print_models(networks)
@@ -36,7 +36,7 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Describes a network."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         facts = client.network(name).model_dump(mode="json")
     if as_json:
         print_json(facts)
@@ -60,7 +60,7 @@ def import_network(
     chosen = name or file.name.partition(".")[0]
     if not server:
         _import_here(file, chosen, data_dir, replace=replace)
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         network = (
             client.import_network(file, chosen, replace=replace)
             if server

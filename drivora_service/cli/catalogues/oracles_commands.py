@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import ServerOption
 from drivora_service.cli.terminal.output import (
     JsonOption,
-    named,
+    find_entry,
     print_json,
     print_models,
     print_table,
@@ -23,7 +23,7 @@ app = typer.Typer(help="The oracles that runs are judged by.", no_args_is_help=T
 @app.command("list")
 def list_oracles(server: ServerOption = "", as_json: JsonOption = False) -> None:
     """Lists the oracles in the order of judging."""
-    with connected(server, None) as client:
+    with open_client(server, None) as client:
         oracles = client.oracles().items
     if as_json:
         print_models(oracles)
@@ -51,8 +51,8 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows an oracle with its thresholds."""
-    with connected(server, None) as client:
-        oracle = named("oracle", name, client.oracles().items)
+    with open_client(server, None) as client:
+        oracle = find_entry("oracle", name, client.oracles().items)
     if as_json:
         print_json(oracle.model_dump(mode="json"))
         return

@@ -6,11 +6,11 @@ from typing import Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import ServerOption
 from drivora_service.cli.terminal.output import (
     JsonOption,
-    named,
+    find_entry,
     print_json,
     print_models,
     print_table,
@@ -23,7 +23,7 @@ app = typer.Typer(help="The methods that can search for failures.", no_args_is_h
 @app.command("list")
 def list_testers(server: ServerOption = "", as_json: JsonOption = False) -> None:
     """Lists the testers."""
-    with connected(server, None) as client:
+    with open_client(server, None) as client:
         testers = client.testers().items
     if as_json:
         print_models(testers)
@@ -52,8 +52,8 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows a tester with its parameters."""
-    with connected(server, None) as client:
-        tester = named("tester", name, client.testers().items)
+    with open_client(server, None) as client:
+        tester = find_entry("tester", name, client.testers().items)
     if as_json:
         print_json(tester.model_dump(mode="json"))
         return

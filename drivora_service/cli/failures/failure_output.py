@@ -75,14 +75,14 @@ def print_group(group: FailureGroup, changes: Sequence[GroupChange]) -> None:
     if group.note:
         typer.echo(group.note)
     for change in changes:
-        typer.echo(f"{_moment(change.at)} {change.by or 'somebody'}: {_told(change)}")
+        typer.echo(f"{_moment(change.at)} {change.by or 'somebody'}: {_describe_change(change)}")
 
 
 def _title(group: FailureGroup) -> str:
     return group.label or "; ".join(group.names)
 
 
-def _told(change: GroupChange) -> str:
+def _describe_change(change: GroupChange) -> str:
     match change.what:
         case ChangedPart.MERGED:
             return f"merged {change.after} into it"

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
-from drivora_service.cli.terminal.options import DataDirOption, ServerOption, one_of
+from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.terminal.options import DataDirOption, ServerOption, parse_choice
 from drivora_service.cli.terminal.output import JsonOption, fail, print_shape
 
 if TYPE_CHECKING:
@@ -59,8 +59,8 @@ def list_failures(
     as_json: JsonOption = False,
 ) -> None:
     """Lists failures, the last found first."""
-    wanted = _wanted(group, oracle, agent, town, accountability, campaign, study, batch)
-    with connected(server, data_dir) as client:
+    wanted = _make_filter(group, oracle, agent, town, accountability, campaign, study, batch)
+    with open_client(server, data_dir) as client:
         from drivora_service.api.schemas.failures import FoundFailure
 
         failures = tuple(client.found_failures(wanted, limit=limit))
@@ -112,12 +112,14 @@ def groups(
     from drivora_service.errors import InvalidDocument
     from drivora_service.store.failures.group_records import GroupStatus, SinceBaseline
 
-    wanted = _wanted("", oracle, agent, town, accountability, campaign, study, batch)
-    statuses = tuple(one_of(GroupStatus, one, "--status") for one in status or ())
+    wanted = _make_filter("", oracle, agent, town, accountability, campaign, study, batch)
+    statuses = tuple(parse_choice(GroupStatus, one, "--status") for one in status or ())
     if since_baseline and not baseline:
         raise typer.BadParameter("needs --baseline", param_hint="--since-baseline")
-    since = one_of(SinceBaseline, since_baseline, "--since-baseline") if since_baseline else None
-    with connected(server, data_dir) as client:
+    since = (
+        parse_choice(SinceBaseline, since_baseline, "--since-baseline") if since_baseline else None
+    )
+    with open_client(server, data_dir) as client:
         from drivora_service.api.schemas.failure_groups import FailureGroup
 
         listing = client.failure_groups(
@@ -148,7 +150,7 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows a group, and what was decided about it."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         found = client.failure_group(group)
         changes = client.failure_group_changes(group)
     if as_json:
@@ -183,7 +185,7 @@ def decide(
 
     if not status and label is None and assignee is None and note is None:
         raise typer.BadParameter("name one of --status, --label, --assignee and --note")
-    new_status = one_of(GroupStatus, status, "--status") if status else None
+    new_status = parse_choice(GroupStatus, status, "--status") if status else None
     _write(
         server,
         data_dir,
@@ -264,7 +266,7 @@ def _write(
     from drivora_service.cli.exit_codes import ExitCode
     from drivora_service.errors import RequestConflict
 
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         try:
             found = do(client)
         except RequestConflict as error:
@@ -278,7 +280,7 @@ def _write(
         print_groups((found,))
 
 
-def _wanted(
+def _make_filter(
     group: str,
     oracle: str,
     agent: str,
@@ -305,7 +307,7 @@ def _wanted(
 def _accountability(word: str) -> Accountability | None:
     from drivora_service.oracles.verdicts.accountability import Accountability
 
-    return one_of(Accountability, word, "--accountability") if word else None
+    return parse_choice(Accountability, word, "--accountability") if word else None
 
 
 def _user() -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drivora_service.cli.failures.minimization_output import title_of
-from drivora_service.cli.terminal.out_option import write_result, writing
+from drivora_service.cli.terminal.out_option import convert_write_errors, write_result
 from drivora_service.cli.terminal.output import note
 from drivora_service.cli.terminal.private_files import give_to_user
 from drivora_service.shapes import adapter
@@ -64,10 +64,10 @@ def _draw(
             path = Path(scratch) / f"{name}.trace.parquet"
             client.save_run_observations(path, run_id)
             title = name if size is None else title_of(size, name)
-            found = minimization.failure.found_in(client.run(run_id).verdicts)
+            found = minimization.failure.find_in(client.run(run_id).verdicts)
             verdicts = () if found is None else (found,)
             sides.append(Side(title=title, trace=read_trace(path), verdicts=verdicts))
     network = network_catalogue(settings_for(data_dir)).get(sides[0].trace.network)
-    with writing(target):
+    with convert_write_errors(target):
         draw_side_by_side(sides[0], sides[1], network, target)
         give_to_user(target)

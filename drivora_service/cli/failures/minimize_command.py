@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption, WorkersOption
 from drivora_service.cli.terminal.out_option import check_file, check_folder
@@ -63,8 +63,8 @@ def minimize(
     """
     is_file = out is not None and out.suffix == ".json"
     (check_file if is_file else check_folder)(out)
-    with connected(server, data_dir, works=True, workers=workers) as client:
-        minimization = _followed(
+    with open_client(server, data_dir, works=True, workers=workers) as client:
+        minimization = _run_minimization(
             client, run, oracle=oracle, budget=budget, radius=radius, is_on_service=bool(server)
         )
         if out is not None and minimization.document is not None:
@@ -77,7 +77,7 @@ def minimize(
     _show(minimization, as_json=as_json)
 
 
-def _followed(
+def _run_minimization(
     client: Client,
     run: str,
     *,

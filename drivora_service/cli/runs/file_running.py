@@ -64,7 +64,7 @@ def run_files(
     if not files:
         return []
 
-    def tell(result: ScenarioResult) -> None:
+    def handle_result(result: ScenarioResult) -> None:
         if out is not None:
             write_report(out, result)
         on_result(result)
@@ -93,14 +93,14 @@ def run_files(
             for item, file in enumerate(files)
         ]
         for result in refused:
-            tell(result)
+            handle_result(result)
         return refused
     on_posted(posted.batch.id)
-    results = {item.item: _posted(item, files[item.item]) for item in posted.items}
+    results = {item.item: _make_result(item, files[item.item]) for item in posted.items}
     for item in posted.items:
         if item.result is ItemResult.REJECTED:
-            tell(results[item.item])
-    with named_when_stopped(posted.batch.id, where):
+            handle_result(results[item.item])
+    with note_batch_on_stop(posted.batch.id, where):
         for run in client.wait_for_batch(posted.batch.id):
             trace = ""
             if out is not None and run.observations_url:
@@ -109,7 +109,7 @@ def run_files(
                 give_to_user(path)
                 trace = str(path)
             results[run.item] = replace(results[run.item], run=run, trace=trace)
-            tell(results[run.item])
+            handle_result(results[run.item])
     return [results[item] for item in range(len(files))]
 
 
@@ -121,7 +121,7 @@ def write_report(folder: Path, result: ScenarioResult) -> None:
 
 
 @contextmanager
-def named_when_stopped(batch_id: str, where: str) -> Iterator[None]:
+def note_batch_on_stop(batch_id: str, where: str) -> Iterator[None]:
     """Prints how to find the runs of a batch if the command does not wait for all of them."""
     try:
         yield
@@ -130,7 +130,7 @@ def named_when_stopped(batch_id: str, where: str) -> Iterator[None]:
         raise
 
 
-def _posted(item: BatchItem, file: ScenarioFile) -> ScenarioResult:
+def _make_result(item: BatchItem, file: ScenarioFile) -> ScenarioResult:
     return ScenarioResult(
         scenario=file.name,
         problems=tuple(

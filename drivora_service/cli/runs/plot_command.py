@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
 from drivora_service.cli.terminal.output import JsonOption, print_json
 from drivora_service.errors import ConfigurationError
@@ -84,7 +84,7 @@ def plot(
     else:
         with (
             # With --server the data folder is for imported networks.
-            connected(server, None if server else data_dir) as client,
+            open_client(server, None if server else data_dir) as client,
             tempfile.TemporaryDirectory(prefix="drivora-") as scratch,
         ):
             trace = Path(scratch) / "run.trace.parquet"

@@ -71,7 +71,7 @@ def rejudge(path: Path, networks: NetworkCatalogue, oracles: OracleCatalogue) ->
         verdicts = judge_all(trace, network, oracles.oracles())
     except (DrivoraError, OSError) as error:
         return Rejudged(trace=path, error=str(error))
-    before = _reported(path)
+    before = _read_verdicts(path)
     if before is None:
         return Rejudged(trace=path, verdicts=verdicts)
     after = [verdict_content(verdict) for verdict in verdicts]
@@ -83,7 +83,7 @@ def rejudge(path: Path, networks: NetworkCatalogue, oracles: OracleCatalogue) ->
     )
 
 
-def _reported(path: Path) -> list[dict[str, Any]] | None:
+def _read_verdicts(path: Path) -> list[dict[str, Any]] | None:
     """Returns the verdicts of the report beside a trace; ``None`` without a usable report."""
     report = path.with_name(path.name.removesuffix(_TRACE) + ".report.json")
     try:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import (
     DataDirOption,
@@ -51,10 +51,10 @@ def replay(
         raise ConfigurationError("name the runs to replay, or give --batch or --campaign")
     check_folder(out)
     where = location(server, data_dir)
-    with connected(server, data_dir, works=True, workers=workers) as client:
-        from drivora_service.cli.runs.replay_running import chosen_runs, read_originals, replay_runs
+    with open_client(server, data_dir, works=True, workers=workers) as client:
+        from drivora_service.cli.runs.replay_running import choose_runs, read_originals, replay_runs
 
-        chosen = chosen_runs(client, runs or (), batch=batch, campaign=campaign)
+        chosen = choose_runs(client, runs or (), batch=batch, campaign=campaign)
         originals = read_originals(client, chosen)
         with _progress(len(chosen)) as step:
             done = replay_runs(

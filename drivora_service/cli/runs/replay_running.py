@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from drivora_service.cli.runs.file_running import named_when_stopped, problems_of_item
-from drivora_service.cli.terminal.out_option import writing
+from drivora_service.cli.runs.file_running import note_batch_on_stop, problems_of_item
+from drivora_service.cli.terminal.out_option import convert_write_errors
 from drivora_service.cli.terminal.private_files import give_to_user
 from drivora_service.client import Client
 from drivora_service.errors import InvalidDocument, NotFound, Problem, StoreError
@@ -22,8 +22,8 @@ from drivora_service.suites.replay.replay_comparing import (
     Original,
     Recording,
     compare,
-    not_replayed,
-    why_not,
+    explain_not_replayable,
+    make_not_replayed,
 )
 from drivora_service.suites.replay.replay_records import Replay, ReplayOutcome
 
@@ -31,7 +31,7 @@ _RUNS_OF_BATCH = 500
 """A service limits the size of a request, and scenarios may be large."""
 
 
-def chosen_runs(
+def choose_runs(
     client: Client, runs: Sequence[str], *, batch: str, campaign: str
 ) -> tuple[str, ...]:
     """Returns the ids of the runs to replay, each once.
@@ -108,9 +108,9 @@ def replay_runs(
         documents: dict[str, str] = {}
         posted: list[Original] = []
         for original in chunk:
-            reason = why_not(original) or _read_document(client, original, documents)
+            reason = explain_not_replayable(original) or _read_document(client, original, documents)
             if reason:
-                tell(not_replayed(original, reason))
+                tell(make_not_replayed(original, reason))
             else:
                 posted.append(original)
         if posted:
@@ -151,23 +151,23 @@ def _replay_batch(
     except InvalidDocument as error:
         for place, original in enumerate(originals):
             problems = problems_of_item(error.problems, place)
-            tell(not_replayed(original, _refused(problems)))
+            tell(make_not_replayed(original, _describe_refusal(problems)))
         return
     for item in submission.items:
         if item.problems:
             listed = [
                 Problem(pointer=p.pointer, code=p.code, message=p.message) for p in item.problems
             ]
-            tell(not_replayed(originals[item.item], _refused(listed)))
+            tell(make_not_replayed(originals[item.item], _describe_refusal(listed)))
     with (
-        named_when_stopped(submission.batch.id, where),
+        note_batch_on_stop(submission.batch.id, where),
         TemporaryDirectory(prefix="drivora-") as scratch,
     ):
         files = Path(scratch) / "original.parquet", Path(scratch) / "replayed.parquet"
         for again in client.wait_for_batch(submission.batch.id):
             original = originals[again.item]
             before, after = (
-                _recording(client, run_id, is_recorded, whose, file)
+                _fetch_recording(client, run_id, is_recorded, whose, file)
                 for run_id, is_recorded, whose, file in (
                     (original.run.id, bool(original.run.trace_sha256), "the run", files[0]),
                     (again.id, bool(again.trace_sha256), "the replay", files[1]),
@@ -175,11 +175,13 @@ def _replay_batch(
             )
             replay = compare(original, again, before, after)
             if out is not None and replay.outcome is ReplayOutcome.DIVERGED:
-                replay = replace(replay, files=tuple(_kept(files, out, replay.run.id)))
+                replay = replace(replay, files=tuple(_copy_recordings(files, out, replay.run.id)))
             tell(replay)
 
 
-def _recording(client: Client, run_id: str, is_recorded: bool, whose: str, file: Path) -> Recording:
+def _fetch_recording(
+    client: Client, run_id: str, is_recorded: bool, whose: str, file: Path
+) -> Recording:
     """Fetches and reads the recording of a run, whose file is left where it was wanted."""
     file.unlink(missing_ok=True)
     if not is_recorded:
@@ -193,20 +195,20 @@ def _recording(client: Client, run_id: str, is_recorded: bool, whose: str, file:
         return Recording(lack=f"the recording of {whose} cannot be read: {error}")
 
 
-def _kept(files: Sequence[Path], out: Path, name: str) -> list[str]:
+def _copy_recordings(files: Sequence[Path], out: Path, name: str) -> list[str]:
     """Copies the recordings that exist into a folder; returns their places."""
     kept = []
     for file in files:
         if file.is_file():
             target = out / f"{name}.{file.stem}.trace.parquet"
-            with writing(target):
+            with convert_write_errors(target):
                 shutil.copyfile(file, target)
                 give_to_user(target)
             kept.append(str(target))
     return kept
 
 
-def _refused(problems: Sequence[Problem]) -> str:
+def _describe_refusal(problems: Sequence[Problem]) -> str:
     return f"its scenario cannot be run here: {_in_words(problems)}"
 
 

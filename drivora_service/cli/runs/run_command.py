@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import (
     AgentParameterOption,
@@ -83,7 +83,7 @@ def run(
     chosen = _gate(gate_oracle or (), data_dir) if gate or gate_oracle else None
     check_folder(out)
     where = location(server, data_dir)
-    with connected(server, data_dir, works=True, makes_data=True, workers=workers) as client:
+    with open_client(server, data_dir, works=True, makes_data=True, workers=workers) as client:
         from drivora_service.cli.runs import run_output
         from drivora_service.cli.runs.file_running import RUN_BATCH, run_files, write_report
         from drivora_service.cli.scenarios.scenario_files import read_files

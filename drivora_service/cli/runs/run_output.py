@@ -58,7 +58,7 @@ class ScenarioResult:
     def content(self) -> dict[str, Any]:
         """Returns the printed form: the run as the API shows it; a contract with scripts."""
         if self.run is None:
-            told = _refused(self.problems)
+            told = _make_refused_content(self.problems)
         else:
             told = adapter(Run).dump_python(self.run, mode="json")
         return {
@@ -150,7 +150,11 @@ def summary(run: Run | None) -> str:
     if run is None or run.status is not RunStatus.FINISHED:
         return "-"
     violated = violations(run)
-    named = [_named(verdict) for verdict in violated if verdict.severity != Severity.OBSERVATION]
+    named = [
+        _format_violation(verdict)
+        for verdict in violated
+        if verdict.severity != Severity.OBSERVATION
+    ]
     seen = {verdict.oracle for verdict in violated if verdict.severity == Severity.OBSERVATION}
     text = ", ".join(named) or "none"
     if seen:
@@ -158,7 +162,7 @@ def summary(run: Run | None) -> str:
     return text
 
 
-def _named(verdict: Verdict) -> str:
+def _format_violation(verdict: Verdict) -> str:
     words = IN_WORDS[accountability(verdict)]
     name = verdict.oracle.replace("_", " ")
     return f"{name} ({words})" if words else name
@@ -206,7 +210,7 @@ def _print_remarks(result: ScenarioResult) -> None:
         print("\n".join(f"  | {line}" for line in run.error.log.splitlines()[-_LOG_LINES:]))
 
 
-def _refused(problems: Sequence[Problem]) -> dict[str, Any]:
+def _make_refused_content(problems: Sequence[Problem]) -> dict[str, Any]:
     listed = [{"pointer": p.pointer, "code": p.code, "message": p.message} for p in problems]
     return {
         "id": "",

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
-from drivora_service.cli.terminal.options import DataDirOption, ServerOption, location, one_of
+from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.terminal.options import DataDirOption, ServerOption, location, parse_choice
 from drivora_service.cli.terminal.out_option import check_file
-from drivora_service.cli.terminal.output import JsonOption, named, print_shape, write_text
+from drivora_service.cli.terminal.output import JsonOption, find_entry, print_shape, write_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,7 +42,7 @@ def list_runs(
     as_json: JsonOption = False,
 ) -> None:
     """Lists runs, newest first."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         from drivora_service.cli.runs.run_output import print_runs
         from drivora_service.store.runs.run_records import JobFilter, RunSummary
 
@@ -57,7 +57,7 @@ def list_runs(
         runs = tuple(client.runs(wanted, limit=limit))
         if oracle and not runs:
             # Runs may have verdicts of an oracle that is not installed any more.
-            named("oracle", oracle, client.oracles().items)
+            find_entry("oracle", oracle, client.oracles().items)
     if as_json:
         print_shape(tuple[RunSummary, ...], runs)
     else:
@@ -72,7 +72,7 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows a run with its verdicts."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         run = client.run(run_id)
     if as_json:
         print_shape(type(run), run)
@@ -94,7 +94,7 @@ def scenario(
 ) -> None:
     """Prints what a run has driven as a scenario, for `drivora run`."""
     check_file(out)
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         text = client.run_scenario(run_id)
     write_text(text, out)
 
@@ -102,4 +102,4 @@ def scenario(
 def _statuses(names: Sequence[str]) -> frozenset[RunStatus]:
     from drivora_service.runs.run_report import RunStatus
 
-    return frozenset(one_of(RunStatus, name, "--status") for name in names)
+    return frozenset(parse_choice(RunStatus, name, "--status") for name in names)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from drivora_service.cli.terminal.out_option import check_folder, writing
+from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
 from drivora_service.errors import ConfigurationError
 
 
@@ -38,7 +38,7 @@ def examples(
     taken = next((out / name for name in files if (out / name).exists()), None)
     if taken is not None:
         raise ConfigurationError(f"--out {out}: {taken} exists already; name another folder")
-    with writing(out):
+    with convert_write_errors(out):
         for name, path in files.items():
             copy = out / name
             copy.parent.mkdir(parents=True, exist_ok=True)

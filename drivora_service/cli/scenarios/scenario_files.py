@@ -56,7 +56,7 @@ def find_files(paths: Sequence[Path]) -> tuple[Path, ...]:
     for path in paths:
         if path.is_dir():
             files = sorted(p for p in path.rglob("*") if p.suffix.lower() in SUFFIXES)
-            inside = [file for file in files if not written_by_drivora(file)]
+            inside = [file for file in files if not describe_results_file(file)]
             if files and not inside:
                 raise ConfigurationError(
                     f"{path} holds results and no scenario: {', '.join(f.name for f in files[:5])}"
@@ -90,7 +90,7 @@ def read_files(
     taken: set[str] = set()
     for path in find_files(paths):
         try:
-            result = written_by_drivora(path)
+            result = describe_results_file(path)
             if result:
                 raise InvalidDocument((Problem(pointer="", code="no_scenario", message=result),))
             imported = read_scenarios(path.read_bytes(), name=path.stem, agent=agent or "idm")
@@ -107,7 +107,7 @@ def read_files(
     return tuple(scenarios), tuple(unreadable)
 
 
-def written_by_drivora(path: Path) -> str:
+def describe_results_file(path: Path) -> str:
     """Says what a file of results is, which commands write beside scenarios; "" of any other."""
     if path.name.endswith(".report.json"):
         return "found the report of a run; run the scenario that it is about"

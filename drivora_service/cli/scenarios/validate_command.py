@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
 from drivora_service.cli.terminal.output import JsonOption, fail, print_json
@@ -27,7 +27,7 @@ def validate(
     as_json: JsonOption = False,
 ) -> None:
     """Checks scenarios and names every problem with its place; exits with 1 if there is any."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         from drivora_service.cli.scenarios.scenario_files import find_files, read_files
         from drivora_service.scenario.documents import document_text
 

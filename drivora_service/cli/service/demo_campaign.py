@@ -36,7 +36,7 @@ class DemoCampaign:
     pictures: tuple[Path, ...]
 
 
-def search_with(client: Client, data_dir: Path, *, simulations: int) -> DemoCampaign:
+def run_demo_campaign(client: Client, data_dir: Path, *, simulations: int) -> DemoCampaign:
     """Has a service run the campaign, shows it meanwhile, and then what it has found.
 
     Args:

@@ -35,25 +35,25 @@ def demo(
     """Shows the whole process: a service judges generated scenarios, then searches for failures."""
     import time
 
-    from drivora_service.cli.application.command_connection import terminated_by_interrupt
-    from drivora_service.cli.application.service_process import running_service
-    from drivora_service.cli.service.demo_campaign import search_with
+    from drivora_service.cli.application.command_connection import interrupt_on_sigterm
+    from drivora_service.cli.application.service_process import run_service
+    from drivora_service.cli.service.demo_campaign import run_demo_campaign
     from drivora_service.client import Client
     from drivora_service.runs.run_report import RunStatus
     from drivora_service.store.campaigns.campaign_records import CampaignState
 
     begun = time.monotonic()
-    seeds = _seeds(data_dir, town, num)
+    seeds = _write_seeds(data_dir, town, num)
     note(f"{len(seeds)} scenarios on {town} in {data_dir / 'seeds'}")
     with (
-        terminated_by_interrupt(),
-        running_service(data_dir, workers=workers) as url,
+        interrupt_on_sigterm(),
+        run_service(data_dir, workers=workers) as url,
         Client(url) as client,
     ):
         note(f"the service runs at {url} with {workers} workers; a browser shows its page there")
-        runs = _judged(client, seeds)
+        runs = _run_scenarios(client, seeds)
         _print_verdicts(runs)
-        campaign = search_with(client, data_dir, simulations=simulations)
+        campaign = run_demo_campaign(client, data_dir, simulations=simulations)
         shown = max(runs, key=lambda run: run.violations or 0)
         picture = _draw(data_dir, shown)
         finished = sum(run.status is RunStatus.FINISHED for run in runs)
@@ -68,7 +68,7 @@ def demo(
         raise typer.Exit(ExitCode.NOT_DONE)
 
 
-def _seeds(data_dir: Path, town: str, num: int) -> dict[str, str]:
+def _write_seeds(data_dir: Path, town: str, num: int) -> dict[str, str]:
     """Generates scenarios with some traffic around the ego, and writes them to files.
 
     Returns:
@@ -95,7 +95,7 @@ def _seeds(data_dir: Path, town: str, num: int) -> dict[str, str]:
     return texts
 
 
-def _judged(client: Client, documents: Mapping[str, str]) -> list[Run]:
+def _run_scenarios(client: Client, documents: Mapping[str, str]) -> list[Run]:
     """Has the service run scenarios, shows how far they are, and returns their runs in order."""
     posted = client.post_batch(list(documents.values()), labels=list(documents), name="demo")
     runs = []

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.service.table_files import TableFormat, save_tables
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
 from drivora_service.cli.terminal.out_option import check_folder
-from drivora_service.cli.terminal.output import named
+from drivora_service.cli.terminal.output import find_entry
 
 if TYPE_CHECKING:
     from drivora_service.client import Client
@@ -50,7 +50,7 @@ def export(
     Without a batch, campaign or study: all runs that are stored.
     """
     check_folder(out)
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         from drivora_service.store.runs.run_records import JobFilter
         from drivora_service.studies.table_names import ResultTableName
 
@@ -84,4 +84,4 @@ def _check_agent(client: Client, agent: str) -> None:
         return
     if any(campaign.agent == agent for campaign in client.campaigns()):
         return
-    named("agent", agent, client.agents().items)
+    find_entry("agent", agent, client.agents().items)

@@ -25,7 +25,7 @@ def migrate(data_dir: DataDirOption = None, as_json: JsonOption = False) -> None
     """Makes the database, or brings it to the schema of this version."""
     from drivora_service.store.migration import schema_version
 
-    with _opened(data_dir, makes_data=True) as (database, *_):
+    with _open_store(data_dir, makes_data=True) as (database, *_):
         version = schema_version(database.engine)
     if as_json:
         print_json({"schema": version})
@@ -42,7 +42,7 @@ def backup(
     """Copies database and traces, also while a service runs; DIR is then a data folder."""
     from drivora_service.store.upkeep.backup import back_up
 
-    with _opened(data_dir) as (database, traces, campaign_traces):
+    with _open_store(data_dir) as (database, traces, campaign_traces):
         made = back_up(database, traces, target, campaign_traces=campaign_traces)
     if as_json:
         print_json(
@@ -71,7 +71,7 @@ def verify(
     def hash_trace(path: Path) -> str:
         return trace_sha256(read_trace(path))
 
-    with _opened(data_dir) as (database, traces, campaign_traces):
+    with _open_store(data_dir) as (database, traces, campaign_traces):
         found = verify_store(
             database,
             traces,
@@ -130,7 +130,7 @@ def prune(
             "the age of the runs to remove is missing; give --older-than DAYS, or set "
             "DRIVORA_RETAIN_PASSED_RUNS_DAYS or another DRIVORA_RETAIN_… setting"
         )
-    with _opened(data_dir) as (database, traces, campaign_traces):
+    with _open_store(data_dir) as (database, traces, campaign_traces):
         if compact:
             refuse_rewriting(database)
         if older_than is None:
@@ -155,7 +155,7 @@ def prune(
 
 
 @contextmanager
-def _opened(
+def _open_store(
     data_dir: Path | None, *, makes_data: bool = False
 ) -> Iterator[tuple[Database, RunTraces, FailureTraces]]:
     from drivora_service.cli.application.installation import settings_for

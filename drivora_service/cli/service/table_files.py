@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import typer
 
-from drivora_service.cli.terminal.out_option import writing
+from drivora_service.cli.terminal.out_option import convert_write_errors
 from drivora_service.cli.terminal.private_files import give_to_user
 from drivora_service.studies.table_names import TableForm
 
@@ -46,7 +46,7 @@ def save_tables(
     """
     for table in tables:
         parquet, csv = (out / f"{table}.{each}" for each in (TableFormat.PARQUET, TableFormat.CSV))
-        with writing(out):
+        with convert_write_errors(out):
             if TableFormat.PARQUET in formats:
                 save(parquet, table, TableForm.PARQUET)
                 _show(parquet)
@@ -60,10 +60,10 @@ def save_tables(
 
 
 def _write_csv(parquet: Path, csv: Path) -> None:
-    from drivora_service.client.connecting import written_whole
+    from drivora_service.client.connecting import open_replacement
     from drivora_service.studies.tables.table_forms import table_chunks, table_of_file
 
-    with written_whole(csv) as file:
+    with open_replacement(csv) as file:
         for part in table_chunks(table_of_file(parquet), TableForm.CSV):
             file.write(part)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.error_printing import ErrorPrinter
 from drivora_service.cli.terminal.options import (
@@ -19,7 +19,7 @@ from drivora_service.cli.terminal.options import (
     WorkersOption,
     location,
 )
-from drivora_service.cli.terminal.out_option import check_folder, writing
+from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
 from drivora_service.cli.terminal.output import JsonOption, fail, note, print_json, print_shape
 from drivora_service.errors import ConfigurationError, InvalidDocument, ServiceError
 
@@ -53,7 +53,7 @@ def run(
     With --server the service runs it; an interrupt then only ends the watching.
     """
     _refuse_detaching(detach, server)
-    with connected(
+    with open_client(
         server,
         data_dir,
         works=True,
@@ -63,7 +63,7 @@ def run(
         ray_address=ray_address,
         on_error=ErrorPrinter(),
     ) as client:
-        study = _posted(client, file)
+        study = _post_study(client, file)
         for remark in study.notes:
             note(f"note: {remark}")
         note(f"study {study.id}")
@@ -83,7 +83,7 @@ def resume(
 ) -> None:
     """Resumes a study that was paused, failed or killed, as if it had not been interrupted."""
     _refuse_detaching(detach, server)
-    with connected(
+    with open_client(
         server,
         data_dir,
         works=True,
@@ -104,7 +104,7 @@ def list_studies(
     as_json: JsonOption = False,
 ) -> None:
     """Lists studies, newest first."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         studies = tuple(client.studies(limit=limit))
     from drivora_service.api.schemas.studies import StudyInList
     from drivora_service.cli.studies.study_output import print_studies
@@ -123,7 +123,7 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Shows a study, and what its campaigns have found by scenario, agent and method."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         _show(client, client.study(study_id), as_json=as_json)
 
 
@@ -135,7 +135,7 @@ def pause(
     as_json: JsonOption = False,
 ) -> None:
     """Pauses the campaigns of a study, whichever process runs them."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         _say_state(client.pause_study(study_id), as_json=as_json)
 
 
@@ -147,7 +147,7 @@ def cancel(
     as_json: JsonOption = False,
 ) -> None:
     """Cancels the campaigns of a study that are not over permanently; what was found stays."""
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         _say_state(client.cancel_study(study_id), as_json=as_json)
 
 
@@ -175,7 +175,7 @@ def compare(
 ) -> None:
     """Compares the finished campaigns of a study, by method and by agent."""
     check_folder(out)
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         comparison = client.compare_study(
             study_id,
             baseline_method=baseline_method,
@@ -192,7 +192,7 @@ def compare(
     if out is not None:
         from drivora_service.studies.comparison.study_comparison_files import write_study_comparison
 
-        with writing(out):
+        with convert_write_errors(out):
             written = write_study_comparison(comparison, out)
         for path in written:
             note(str(path))
@@ -210,7 +210,7 @@ def export(
     from drivora_service.cli.service.table_files import save_tables
     from drivora_service.studies.table_names import TableForm, TableName
 
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
 
         def save(path: Path, table: TableName, form: TableForm) -> None:
             client.save_study_table(path, study_id, table, form=form)
@@ -218,7 +218,7 @@ def export(
         save_tables(out, TableName, save)
 
 
-def _posted(client: Client, file: Path) -> Study:
+def _post_study(client: Client, file: Path) -> Study:
     """Posts a study file; prints what is wrong with it, each problem with its place."""
     import json
 

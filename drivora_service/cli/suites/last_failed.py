@@ -36,7 +36,7 @@ def remember_failed(suite: Path, names: Collection[str], *, not_run: Collection[
         note(f"note: {path} cannot be written, so that --last-failed will not know: {error}")
 
 
-def last_failed(suite: Path, scenarios: Collection[str]) -> frozenset[str]:
+def read_last_failed(suite: Path, scenarios: Collection[str]) -> frozenset[str]:
     """Returns the scenarios that failed the last time.
 
     Args:

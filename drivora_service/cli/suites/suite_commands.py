@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drivora_service.cli.application.command_connection import connected
+from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import (
     AgentParameterOption,
     DataDirOption,
@@ -126,7 +126,12 @@ def run(
     as_json: JsonOption = False,
 ) -> None:
     """Runs a suite and decides; exits with 1 if the gate fails, with 3 if a run was not judged."""
-    from drivora_service.cli.suites.suite_decisions import confirmed, decided, keep, tell
+    from drivora_service.cli.suites.suite_decisions import (
+        confirm_changes,
+        decide_and_report,
+        post_decision,
+        print_and_exit,
+    )
     from drivora_service.cli.suites.suite_reports import ReportFiles
     from drivora_service.suites.scenario_selection import read_shard
 
@@ -135,17 +140,17 @@ def run(
     )
     files.check()
     part = read_shard(shard) if shard else None
-    with connected(server, data_dir, works=True, makes_data=True, workers=workers) as client:
-        from drivora_service.cli.suites.last_failed import last_failed as failed_before
+    with open_client(server, data_dir, works=True, makes_data=True, workers=workers) as client:
+        from drivora_service.cli.suites.last_failed import read_last_failed as failed_before
         from drivora_service.cli.suites.last_failed import remember_failed
         from drivora_service.cli.suites.suite_files import read_gate_path, read_suite_path
-        from drivora_service.cli.suites.suite_reports import baseline_of, failed_names
+        from drivora_service.cli.suites.suite_reports import failed_names, read_optional_baseline
         from drivora_service.cli.suites.suite_running import SuiteOrder, run_suite
         from drivora_service.suites.scenario_selection import choose
 
         known = _names_of(client)
         read = read_suite_path(suite, known)
-        gate, accepted = read_gate_path(gate_file, known), baseline_of(baseline)
+        gate, accepted = read_gate_path(gate_file, known), read_optional_baseline(baseline)
         chosen = choose(
             read.scenarios,
             expression=select,
@@ -162,14 +167,14 @@ def run(
         )
         with run_progress(["runs"], total=len(chosen) * order.repetitions) as count:
             done = run_suite(client, read, chosen, order, shard=part, on_run=lambda: count("runs"))
-        done = confirmed(client, read, done, order, gate, accepted)
-        made = decided(client, done, read, gate, baseline, files)
+        done = confirm_changes(client, read, done, order, gate, accepted)
+        made = decide_and_report(client, done, read, gate, baseline, files)
         if part is None:
-            keep(client, made)
+            post_decision(client, made)
         # What was not run stays as it was, unless the suite no longer has it.
         not_run = read.by_name.keys() - done.scenarios.keys()
         remember_failed(suite, failed_names(made), not_run=not_run)
-    tell(made, as_json=as_json, judges=part is None)
+    print_and_exit(made, as_json=as_json, judges=part is None)
 
 
 @app.command("gate")
@@ -191,7 +196,7 @@ def judge(
     as_json: JsonOption = False,
 ) -> None:
     """Decides on stored results, such as those of all shards; nothing is run."""
-    from drivora_service.cli.suites.suite_decisions import decided, tell
+    from drivora_service.cli.suites.suite_decisions import decide_and_report, print_and_exit
     from drivora_service.cli.suites.suite_files import (
         names_of_installation,
         read_gate_path,
@@ -209,8 +214,8 @@ def judge(
     check_shards(done, read)
     for remark in check_results(done, read):
         note(f"note: {remark}")
-    made = decided(None, done, read, gate, baseline, files)
-    tell(made, as_json=as_json, judges=True)
+    made = decide_and_report(None, done, read, gate, baseline, files)
+    print_and_exit(made, as_json=as_json, judges=True)
 
 
 @app.command("baseline")
@@ -244,7 +249,7 @@ def accept(
         baseline_text,
         read_baseline,
     )
-    from drivora_service.suites.gate.baseline_accepting import accepted_baseline
+    from drivora_service.suites.gate.baseline_accepting import update_baseline
     from drivora_service.suites.suite_checks import check_judged, check_results
     from drivora_service.suites.suite_results import merge_results, read_results
 
@@ -255,7 +260,7 @@ def accept(
     for remark in (*check_results(done, read), *check_judged(done)):
         note(f"note: {remark}")
     old = read_baseline(baseline) if baseline.is_file() else None
-    new = accepted_baseline(done, read, gate, old)
+    new = update_baseline(done, read, gate, old)
     changes: list[BaselineChange] = list(baseline_changes(old, new))
     if not dry_run:
         write_result(baseline, baseline_text(new))
@@ -296,7 +301,7 @@ def history(
     """Shows the last runs of a suite, and how its scenarios went; without a name, all suites."""
     from drivora_service.cli.terminal.output import print_shape
 
-    with connected(server, data_dir) as client:
+    with open_client(server, data_dir) as client:
         from drivora_service.cli.suites.suite_history import print_history, print_suites
 
         if not suite:

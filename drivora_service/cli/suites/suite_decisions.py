@@ -10,9 +10,9 @@ import typer
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.suites.suite_reports import (
     ReportFiles,
-    baseline_of,
     draw_failures,
     print_report,
+    read_optional_baseline,
     report_content,
     report_of,
     write_reports,
@@ -32,7 +32,7 @@ from drivora_service.suites.suite_checks import check_baseline
 from drivora_service.suites.suite_results import SuiteResults
 
 
-def confirmed(
+def confirm_changes(
     client: Client,
     suite: Suite,
     results: SuiteResults,
@@ -73,7 +73,7 @@ def confirmed(
     return results
 
 
-def decided(
+def decide_and_report(
     client: Client | None,
     results: SuiteResults,
     suite: Suite,
@@ -94,7 +94,7 @@ def decided(
     Raises:
         ConfigurationError: The baseline cannot be read, or a file cannot be written.
     """
-    accepted = baseline_of(baseline)
+    accepted = read_optional_baseline(baseline)
     if accepted is not None:
         for remark in check_baseline(accepted, results):
             note(f"note: {remark}")
@@ -107,7 +107,7 @@ def decided(
     return report
 
 
-def keep(client: Client, report: SuiteReport) -> None:
+def post_decision(client: Client, report: SuiteReport) -> None:
     """Has the application or service keep what was decided, for the history of the suite.
 
     A service that cannot, such as one of an older version, loses nothing of the decision.
@@ -118,7 +118,7 @@ def keep(client: Client, report: SuiteReport) -> None:
         note(f"note: the decision is not in the history of the suite: {error}")
 
 
-def tell(report: SuiteReport, *, as_json: bool, judges: bool) -> None:
+def print_and_exit(report: SuiteReport, *, as_json: bool, judges: bool) -> None:
     """Prints a report and ends the command with the exit code of its decision.
 
     Args:

@@ -9,7 +9,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drivora_service.cli.terminal.out_option import check_file, write_result, writing
+from drivora_service.cli.terminal.out_option import check_file, convert_write_errors, write_result
 from drivora_service.cli.terminal.output import note, print_table
 from drivora_service.cli.terminal.private_files import give_to_user
 from drivora_service.errors import DrivoraError
@@ -52,7 +52,7 @@ class ReportFiles:
             check_file(path)
 
 
-def baseline_of(path: Path | None) -> Baseline | None:
+def read_optional_baseline(path: Path | None) -> Baseline | None:
     """Reads the baseline file of a command, if one is named.
 
     Raises:
@@ -114,7 +114,7 @@ def write_reports(report: SuiteReport, files: ReportFiles) -> None:
     if files.junit is not None:
         from drivora_service.suites.reports.junit import junit_xml
 
-        with writing(files.junit):
+        with convert_write_errors(files.junit):
             files.junit.write_bytes(junit_xml(report))
             give_to_user(files.junit)
     if files.page is not None:

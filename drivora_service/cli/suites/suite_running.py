@@ -17,7 +17,7 @@ from drivora_service.suites.suite import Suite, SuiteScenario
 from drivora_service.suites.suite_results import (
     SuiteResults,
     SuiteRun,
-    driven_document,
+    remove_expectations,
     scenario_hash,
 )
 from drivora_service.suites.suite_seeds import seed_of_run
@@ -79,7 +79,7 @@ def run_suite(
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
     planned = [
-        _planned(scenario, order, repetition)
+        _plan_run(scenario, order, repetition)
         for repetition in range(order.repetitions)
         for scenario in chosen
     ]
@@ -129,7 +129,7 @@ def run_again(
         if runs
     }
     planned = [
-        _planned(scenarios[name], order, first[name] + number)
+        _plan_run(scenarios[name], order, first[name] + number)
         for number in range(times)
         for name in names
     ]
@@ -137,7 +137,7 @@ def run_again(
     return results.with_runs(runs)
 
 
-def _planned(scenario: SuiteScenario, order: SuiteOrder, repetition: int) -> _Planned:
+def _plan_run(scenario: SuiteScenario, order: SuiteOrder, repetition: int) -> _Planned:
     seed = seed_of_run(scenario.name, scenario.document.seed, repetition, given=order.seed)
     return _Planned(scenario=scenario, repetition=repetition, seed=seed)
 
@@ -157,7 +157,7 @@ def _run(
             ScenarioFile(
                 name=one.scenario.name,
                 path=Path(one.scenario.name),
-                document=driven_document(one.scenario.document),
+                document=remove_expectations(one.scenario.document),
                 notes=(),
             )
             for one in part

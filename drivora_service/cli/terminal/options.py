@@ -81,7 +81,7 @@ RayAddressOption = Annotated[
 _Word = TypeVar("_Word", bound=StrEnum)
 
 
-def one_of(kind: type[_Word], word: str, option: str) -> _Word:
+def parse_choice(kind: type[_Word], word: str, option: str) -> _Word:
     """Reads one of a few words.
 
     Args:

@@ -19,7 +19,7 @@ def check_folder(out: Path | None) -> None:
     """
     if out is None:
         return
-    with writing(out):
+    with convert_write_errors(out):
         out.mkdir(parents=True, exist_ok=True)
     if not os.access(out, os.W_OK | os.X_OK):
         raise ConfigurationError(f"--out {out}: this folder cannot be written to; name another")
@@ -41,7 +41,7 @@ def check_file(out: Path | None) -> None:
 
 
 @contextmanager
-def writing(out: Path | None) -> Iterator[None]:
+def convert_write_errors(out: Path | None) -> Iterator[None]:
     """Names what cannot be written below a folder, or as a file.
 
     Raises:
@@ -62,7 +62,7 @@ def write_result(path: Path, text: str) -> None:
     Raises:
         ConfigurationError: It cannot be written.
     """
-    with writing(path):
+    with convert_write_errors(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
         give_to_user(path)

@@ -48,7 +48,7 @@ def print_models(models: Sequence[BaseModel]) -> None:
     print_json([model.model_dump(mode="json") for model in models])
 
 
-def named(kind: str, name: str, entries: Iterable[Entry]) -> Entry:
+def find_entry(kind: str, name: str, entries: Iterable[Entry]) -> Entry:
     """Returns the entry of a catalogue with a name.
 
     Args:
@@ -70,9 +70,9 @@ def write_text(text: str, out: Path | None) -> None:
     if out is None:
         typer.echo(text, nl=False)
         return
-    from drivora_service.cli.terminal.out_option import writing
+    from drivora_service.cli.terminal.out_option import convert_write_errors
 
-    with writing(out):
+    with convert_write_errors(out):
         out.parent.mkdir(parents=True, exist_ok=True)
         out.write_text(text)
     typer.echo(str(out))

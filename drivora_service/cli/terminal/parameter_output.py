@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def print_parameters(parameters: Iterable[AgentParameter | TesterParameter]) -> None:
     """Prints a row a parameter."""
-    from drivora_service.parameters import allowed_values
+    from drivora_service.parameters import describe_allowed_values
 
     print_table(
         "",
@@ -23,7 +23,7 @@ def print_parameters(parameters: Iterable[AgentParameter | TesterParameter]) -> 
             (
                 parameter.name,
                 json.dumps(parameter.default),
-                allowed_values(parameter.values),
+                describe_allowed_values(parameter.values),
                 parameter.description,
             )
             for parameter in parameters

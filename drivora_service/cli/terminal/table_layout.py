@@ -91,17 +91,17 @@ def table_lines(table: Table, width: int) -> tuple[list[str], list[str]]:
     for number, row in enumerate(table.rows):
         if table.headings and table.headings[number] != heading:
             heading = table.headings[number]
-            body += _wrapped(heading, width - len(_MARGIN), _MARGIN)
+            body += _wrap_text(heading, width - len(_MARGIN), _MARGIN)
         if layout.above:
             body.append(margin + row[0])
         cells = [
-            _fitted(row[index], width_of, wraps=table.columns[index] in table.wrap)
+            _fit_text(row[index], width_of, wraps=table.columns[index] in table.wrap)
             for index, width_of in zip(layout.shown, layout.widths, strict=True)
         ]
         body += _lines(cells, layout, indent)
         for index in layout.below:
             below = margin + _STEP + _MARGIN
-            body += _wrapped(row[index], width - len(below), below)
+            body += _wrap_text(row[index], width - len(below), below)
     head = [line for line in head if line]
     ruler = max((cell_len(line) for line in (*head, *body)), default=0)
     return [*head, _MARGIN + "─" * max(ruler - len(_MARGIN), 0)], body
@@ -172,15 +172,15 @@ def _head(name: str, *, breaks: bool) -> tuple[str, ...]:
     return tuple(name.split() if breaks else name.split("\n")) or ("",)
 
 
-def _fitted(text: str, width: int, *, wraps: bool) -> tuple[str, ...]:
+def _fit_text(text: str, width: int, *, wraps: bool) -> tuple[str, ...]:
     if cell_len(text) <= width:
         return (text,)
     if wraps:
-        return tuple(_wrapped(text, width, ""))
-    return (shortened(text, width),)
+        return tuple(_wrap_text(text, width, ""))
+    return (shorten_text(text, width),)
 
 
-def shortened(text: str, width: int) -> str:
+def shorten_text(text: str, width: int) -> str:
     """Returns a text with its middle replaced by ``…`` where it is wider than `width` cells."""
     if cell_len(text) <= width:
         return text
@@ -189,7 +189,7 @@ def shortened(text: str, width: int) -> str:
     return f"{front}…{back}"
 
 
-def _wrapped(text: str, width: int, indent: str) -> list[str]:
+def _wrap_text(text: str, width: int, indent: str) -> list[str]:
     return [
         indent + line
         for line in textwrap.wrap(

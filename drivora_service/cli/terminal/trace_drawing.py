@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from drivora_service.cli.application.installation import network_catalogue, oracle_catalogue
-from drivora_service.cli.terminal.out_option import writing
+from drivora_service.cli.terminal.out_option import convert_write_errors
 from drivora_service.cli.terminal.output import note
 from drivora_service.cli.terminal.private_files import give_to_user
 from drivora_service.errors import UnknownName
@@ -55,7 +55,7 @@ def draw_trace(
     if network.sha256 != trace.network_sha256:
         note(f"network {network.name} has changed since this run; the picture may not fit")
     verdicts = judge_all(trace, network, chosen)
-    with writing(target):
+    with convert_write_errors(target):
         target.parent.mkdir(parents=True, exist_ok=True)
         if moments is None:
             draw_run(trace, network, verdicts, target, color_by=color_by)

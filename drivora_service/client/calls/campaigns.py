@@ -15,7 +15,7 @@ from drivora_service.client.call import (
     act,
     document_bytes,
     get,
-    listing,
+    make_listing,
     post,
 )
 from drivora_service.client.calls.runs import observation_query
@@ -95,7 +95,7 @@ def campaigns(
     from drivora_service.store.campaigns.campaign_records import CampaignSummary
 
     query = {"state": sorted(states), "study": study_id}
-    return listing(f"{PREFIX}/campaigns", CampaignSummary, limit, query=query)
+    return make_listing(f"{PREFIX}/campaigns", CampaignSummary, limit, query=query)
 
 
 def campaign(campaign_id: str) -> Call[Campaign]:
@@ -149,7 +149,7 @@ def evaluations(
         "generation": wanted.generation,
         "order": "-number" if newest_first else None,
     }
-    return listing(
+    return make_listing(
         f"{_CAMPAIGN}/evaluations", EvaluationSummary, limit, query=query, campaign_id=campaign_id
     )
 
@@ -272,7 +272,9 @@ def failures(
         "accountability": wanted.accountability,
         "confirmation": wanted.confirmation,
     }
-    return listing(f"{_CAMPAIGN}/failures", Failure, limit, query=query, campaign_id=campaign_id)
+    return make_listing(
+        f"{_CAMPAIGN}/failures", Failure, limit, query=query, campaign_id=campaign_id
+    )
 
 
 def figures(campaign_id: str) -> Call[Figures]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from drivora_service.api_paths import PREFIX
-from drivora_service.client.call import Call, Listing, Query, act, get, listing
+from drivora_service.client.call import Call, Listing, Query, act, get, make_listing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,7 +25,7 @@ def found_failures(
     """Returns failures of all campaigns and batches, the last found first; at most ``limit``."""
     from drivora_service.api.schemas.failures import FoundFailure
 
-    return listing(f"{PREFIX}/failures", FoundFailure, limit, query=_query(wanted))
+    return make_listing(f"{PREFIX}/failures", FoundFailure, limit, query=_query(wanted))
 
 
 def found_failure(failure_id: int) -> Call[FoundFailure]:
@@ -64,7 +64,7 @@ def failure_groups(
         "baseline": baseline,
         "since_baseline": since_baseline,
     }
-    return listing(_GROUPS, FailureGroup, limit, query=query)
+    return make_listing(_GROUPS, FailureGroup, limit, query=query)
 
 
 def failure_group(group_id: str) -> Call[FailureGroup]:

@@ -16,7 +16,7 @@ from drivora_service.client.call import (
     act,
     document_bytes,
     get,
-    listing,
+    make_listing,
     post,
 )
 
@@ -120,7 +120,7 @@ def jobs(wanted: JobFilter | None = None, *, limit: int | None = None) -> Listin
     """Returns jobs, newest first; at most ``limit``."""
     from drivora_service.store.runs.run_records import RunSummary
 
-    return listing(f"{PREFIX}/jobs", RunSummary, limit, query=job_query(wanted))
+    return make_listing(f"{PREFIX}/jobs", RunSummary, limit, query=job_query(wanted))
 
 
 def job(job_id: str) -> Call[Job]:
@@ -181,7 +181,7 @@ def batches(priorities: Collection[Priority] = (), *, limit: int | None = None) 
     """Returns batches with any of some priorities, or all; newest first; at most ``limit``."""
     from drivora_service.api.schemas.batches import Batch
 
-    return listing(f"{PREFIX}/batches", Batch, limit, query={"priority": sorted(priorities)})
+    return make_listing(f"{PREFIX}/batches", Batch, limit, query={"priority": sorted(priorities)})
 
 
 def batch(batch_id: str) -> Call[Batch]:
@@ -282,10 +282,10 @@ def _batch_items(
             raise ValueError(
                 f"found {len(given)} {what} for {len(documents)} scenarios; each needs one"
             )
-    return map(_labelled, labels, documents, seeds or [None] * len(documents))
+    return map(_encode_item, labels, documents, seeds or [None] * len(documents))
 
 
-def _labelled(label: str, document: Document, seed: int | None) -> bytes:
+def _encode_item(label: str, document: Document, seed: int | None) -> bytes:
     beside = {"label": label} if seed is None else {"label": label, "seed": seed}
     return b'%b,"scenario":%b}' % (json.dumps(beside).encode()[:-1], document_bytes(document))
 

@@ -6,7 +6,7 @@ import json
 from typing import TYPE_CHECKING
 
 from drivora_service.api_paths import PREFIX
-from drivora_service.client.call import Call, Listing, act, get, listing, post
+from drivora_service.client.call import Call, Listing, act, get, make_listing, post
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.minimizations import Minimization
@@ -55,7 +55,9 @@ def minimizations(*, run_id: str = "", limit: int | None = None) -> Listing[Mini
     """
     from drivora_service.store.minimizations.minimization_records import MinimizationSummary
 
-    return listing(f"{PREFIX}/minimizations", MinimizationSummary, limit, query={"run": run_id})
+    return make_listing(
+        f"{PREFIX}/minimizations", MinimizationSummary, limit, query={"run": run_id}
+    )
 
 
 def minimization(minimization_id: str) -> Call[Minimization]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from drivora_service.api_paths import PREFIX
-from drivora_service.client.call import Call, Listing, ObservationForm, Query, get, listing
+from drivora_service.client.call import Call, Listing, ObservationForm, Query, get, make_listing
 from drivora_service.client.calls.jobs import job_query
 from drivora_service.observations.trace_files.trace_rows import TraceRows
 
@@ -32,7 +32,7 @@ def runs(
     from drivora_service.store.runs.run_records import RunSummary
 
     query = {**job_query(wanted), "order": "created_at" if oldest_first else None}
-    return listing(f"{PREFIX}/runs", RunSummary, limit, query=query)
+    return make_listing(f"{PREFIX}/runs", RunSummary, limit, query=query)
 
 
 def run_counts(wanted: JobFilter | None = None) -> Call[RunCounts]:

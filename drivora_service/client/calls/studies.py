@@ -14,7 +14,7 @@ from drivora_service.client.call import (
     act,
     document_bytes,
     get,
-    listing,
+    make_listing,
     post,
 )
 
@@ -59,7 +59,7 @@ def studies(*, limit: int | None = None) -> Listing[StudyInList]:
     """Returns studies, newest first; at most ``limit``."""
     from drivora_service.api.schemas.studies import StudyInList
 
-    return listing(f"{PREFIX}/studies", StudyInList, limit)
+    return make_listing(f"{PREFIX}/studies", StudyInList, limit)
 
 
 def study(study_id: str) -> Call[Study]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from drivora_service.api_paths import PREFIX
-from drivora_service.client.call import Call, Listing, get, listing, post
+from drivora_service.client.call import Call, Listing, get, make_listing, post
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -57,7 +57,7 @@ def suite_runs(
     """
     from drivora_service.store.suites.suite_records import SuiteRunSummary
 
-    return listing(_RUNS, SuiteRunSummary, limit, query={"suite": suite, "agent": agent})
+    return make_listing(_RUNS, SuiteRunSummary, limit, query={"suite": suite, "agent": agent})
 
 
 def suite_run(suite_run_id: str) -> Call[SuiteRunRecord]:

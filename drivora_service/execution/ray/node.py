@@ -90,9 +90,9 @@ class Node:
             ends = self._executor.wait(timeout_s)
         self._held -= len(ends)
         return News(
-            ends=tuple(replace(end, worker=self._named(end.worker)) for end in ends),
+            ends=tuple(replace(end, worker=self._cluster_name(end.worker)) for end in ends),
             slots=tuple(
-                replace(slot, name=self._named(slot.name)) for slot in self._executor.slots()
+                replace(slot, name=self._cluster_name(slot.name)) for slot in self._executor.slots()
             ),
             fault=self._executor.fault,
         )
@@ -103,7 +103,7 @@ class Node:
         if self._temporary is not None:
             self._temporary.cleanup()
 
-    def _named(self, slot: str) -> str:
+    def _cluster_name(self, slot: str) -> str:
         """Returns the name of a slot among those of the cluster; "" for none."""
         return f"{self._name}/{slot}" if slot else ""
 

@@ -50,7 +50,7 @@ class _Node:
         """Number of runs that it may be given."""
         if self.fault or self.withdrawing or self.withdraw:
             return 0
-        return self.pace.wanted_in_flight(self.slots) + _AHEAD - len(self.runs)
+        return self.pace.target_in_flight(self.slots) + _AHEAD - len(self.runs)
 
     @property
     def load(self) -> float:
@@ -113,7 +113,7 @@ class Placement:
         for spec in self._waiting:
             if spec.run_id == run_id:
                 self._waiting.remove(spec)
-                return (_cancelled(run_id),)
+                return (_make_cancelled_end(run_id),)
         return ()
 
     def withdraw(self) -> None:
@@ -169,7 +169,7 @@ class Placement:
             return ()
         message = f"the node {name} was lost: {reason}"
         ends = tuple(
-            self._lost(
+            self._make_lost_end(
                 node, name, run_id, WORKER_LOST if place < node.slots else NOT_BEGUN, message
             )
             for place, run_id in enumerate(node.runs)
@@ -212,9 +212,11 @@ class Placement:
         cancelled = [spec.run_id for spec in specs if spec.run_id in self._cancelled]
         self._cancelled.difference_update(cancelled)
         self._waiting.extendleft(spec for spec in reversed(specs) if spec.run_id not in cancelled)
-        return tuple(map(_cancelled, cancelled))
+        return tuple(map(_make_cancelled_end, cancelled))
 
-    def _lost(self, node: _Node, name: str, run_id: str, cause: str, message: str) -> AttemptEnd:
+    def _make_lost_end(
+        self, node: _Node, name: str, run_id: str, cause: str, message: str
+    ) -> AttemptEnd:
         slot = next((slot for slot in node.states if slot.run_id == run_id), None)
         since = node.runs[run_id][1]
         report = report_loss(run_id, message, "", cause=cause)
@@ -226,6 +228,6 @@ class Placement:
         )
 
 
-def _cancelled(run_id: str) -> AttemptEnd:
+def _make_cancelled_end(run_id: str) -> AttemptEnd:
     now = datetime.now(UTC)
     return AttemptEnd(report=cancelled_report(run_id), worker="", started=now, ended=now)

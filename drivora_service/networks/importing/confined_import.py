@@ -71,7 +71,7 @@ def import_confined(order: ImportOrder, stage: Path, cancelled: threading.Event)
         _end(process)
     result = _read_result(stage)
     if result is None:
-        raise _death(code, order, stage)
+        raise _make_death_error(code, order, stage)
     if result.storage_fault:
         raise StoreUnavailable(f"the network cannot be stored now: {result.storage_fault}")
     if result.refusal:
@@ -136,7 +136,7 @@ def _read_result(stage: Path) -> ImportResult | None:
     return None
 
 
-def _death(code: int, order: ImportOrder, stage: Path) -> NetworkError:
+def _make_death_error(code: int, order: ImportOrder, stage: Path) -> NetworkError:
     """Returns the error for a process that ended without a result."""
     printed = ""
     with contextlib.suppress(OSError), (stage / PRINTED).open("rb") as file:

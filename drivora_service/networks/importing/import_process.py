@@ -42,7 +42,7 @@ _STORAGE = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS})
 def main() -> None:
     """Imports the file in the current folder, and writes the result beside it."""
     order = adapter(ImportOrder).validate_json(sys.argv[1])
-    signal.signal(signal.SIGTERM, _leave)
+    signal.signal(signal.SIGTERM, _exit_on_signal)
     # Before the limits: one that lacks memory to begin would be waited for.
     threading.Thread(target=_end_with_parent, name="parent-watch", daemon=True).start()
     _confine(order)
@@ -108,7 +108,7 @@ def _end_with_parent() -> None:
     os.killpg(0, signal.SIGKILL)
 
 
-def _leave(_number: int, _frame: FrameType | None) -> None:
+def _exit_on_signal(_number: int, _frame: FrameType | None) -> None:
     """Ends the main thread where it is, which ends netconvert and removes its files."""
     sys.exit(1)
 

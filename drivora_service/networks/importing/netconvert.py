@@ -47,7 +47,7 @@ def netconvert_version() -> str:
     try:
         return importlib.metadata.version("eclipse-sumo")
     except importlib.metadata.PackageNotFoundError:
-        raise _missing() from None
+        raise _make_missing_error() from None
 
 
 def convert(arguments: Sequence[str], *, timeout: float = MAX_SECONDS) -> bytes:
@@ -143,10 +143,10 @@ def _sumo_home() -> Path:
     for location in (spec.submodule_search_locations or []) if spec else []:
         if (Path(location) / "bin" / "netconvert").exists():
             return Path(location)
-    raise _missing()
+    raise _make_missing_error()
 
 
-def _missing() -> NetworkError:
+def _make_missing_error() -> NetworkError:
     return NetworkError(
         "netconvert is not installed; it comes with an extra: pip install '.[networks]' in the "
         "checkout"

@@ -11,7 +11,12 @@ from drivora_service.networks.catalogue import is_network_name, shipped_networks
 from drivora_service.networks.importing.netconvert import MAX_SECONDS, convert, netconvert_version
 from drivora_service.networks.importing.source_checks import check_source
 from drivora_service.networks.importing.source_formats import FORMATS, SourceFormat, format_of
-from drivora_service.networks.importing.staging import publish, staging, taken, write_synced
+from drivora_service.networks.importing.staging import (
+    make_taken_error,
+    open_stage,
+    publish,
+    write_synced,
+)
 from drivora_service.networks.network_loading import load_network
 from drivora_service.networks.provenance import FILE_NAME, Provenance
 
@@ -57,7 +62,7 @@ def import_network(
     form = format_of(source.name)
     data = _read(source, max_bytes)
     target = into / name
-    with staging(into) as stage:
+    with open_stage(into) as stage:
         made = stage / "new"
         make_network(
             data,
@@ -88,7 +93,7 @@ def check_name(name: str, into: Path, *, replace: bool) -> None:
             f"network {name!r} comes with Drivora; import yours under another name", is_shipped=True
         )
     if not replace and ((into / name).exists() or (into / f"{name}.net.xml").exists()):
-        raise taken(name)
+        raise make_taken_error(name)
 
 
 def make_network(
@@ -121,7 +126,7 @@ def make_network(
     folder.mkdir()
     path = folder / f"{name}.net.xml"
     try:
-        network, version = _network_bytes(data, form, folder.parent, max_seconds)
+        network, version = _convert_source(data, form, folder.parent, max_seconds)
         write_synced(path, network)
         load_network(path, name)
     except NetworkError as error:
@@ -154,7 +159,7 @@ def _read(source: Path, max_bytes: int) -> bytes:
     return data
 
 
-def _network_bytes(
+def _convert_source(
     data: bytes, form: SourceFormat, stage: Path, max_seconds: float
 ) -> tuple[bytes, str | None]:
     """Returns the network and the version of netconvert, if it was converted."""

@@ -29,7 +29,7 @@ def make_stage(into: Path, prefix: str) -> Path:
 
 
 @contextmanager
-def staging(into: Path) -> Iterator[Path]:
+def open_stage(into: Path) -> Iterator[Path]:
     """Provides a folder beside the networks, which is removed afterwards.
 
     Raises:
@@ -86,12 +86,12 @@ def publish(made: Path, target: Path, *, replace: bool) -> None:
             made.rename(target)
         except OSError as error:
             if target.exists():
-                raise taken(target.name) from error
+                raise make_taken_error(target.name) from error
             raise
     _sync(target.parent)
 
 
-def taken(name: str) -> NetworkTaken:
+def make_taken_error(name: str) -> NetworkTaken:
     """Returns the error for a name that an imported network has."""
     return NetworkTaken(f"a network {name!r} is already imported; replace it or use another name")
 

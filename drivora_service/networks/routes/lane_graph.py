@@ -95,13 +95,15 @@ def lane_graph(network: RoadNetwork) -> LaneGraph:
         )
         for wanted in (False, True)
     )
-    steps = tuple(leaving(lengths, siblings, successors, lane.index, 0.0) for lane in network.lanes)
+    steps = tuple(
+        find_exit_steps(lengths, siblings, successors, lane.index, 0.0) for lane in network.lanes
+    )
     return LaneGraph(
         lengths=lengths, siblings=siblings, successors=successors, tight=tight, steps=steps
     )
 
 
-def leaving(
+def find_exit_steps(
     lengths: tuple[float, ...],
     siblings: tuple[tuple[Sibling, ...], ...],
     successors: tuple[tuple[int, ...], ...],

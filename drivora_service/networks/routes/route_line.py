@@ -167,11 +167,11 @@ def build_route(
     begin = drafts[0].joined[0]
     for k, (draft, line) in enumerate(zip(drafts, lines, strict=True)):
         if k == len(drafts) - 1:
-            at = _spaced(begin, draft.window[1])
+            at = _sample_places(begin, draft.window[1])
             add(k, at, line.at(at))
             break
         here, there = _blend_places(draft, drafts[k + 1], limits[draft.lanes[-1]], change)
-        at = _spaced(begin, here[0])
+        at = _sample_places(begin, here[0])
         add(k, at, line.at(at))
         weight, of_here, of_there = _blend(line, lines[k + 1], here, there)
         xy = (1.0 - weight[:, None]) * line.at(of_here)
@@ -264,7 +264,7 @@ def _exact_line(draft: _Draft) -> _Line:
     )
 
 
-def _spaced(begin: float, end: float) -> FloatArray:
+def _sample_places(begin: float, end: float) -> FloatArray:
     """Returns places from ``begin`` to ``end``, both included, at most the spacing apart."""
     count = max(math.ceil((end - begin) / SPACING - 1e-9), 1)
     return np.linspace(begin, end, count + 1)
@@ -313,7 +313,7 @@ def _blend(
 
 
 def _lane_run(draft: _Draft, line: _Line, limits: FloatArray) -> LaneRun:
-    at = _spaced(0.0, float(line.u[-1]))
+    at = _sample_places(0.0, float(line.u[-1]))
     points = line.at(at)
     arc = arc_lengths(points)
     start, begin, end = np.interp([draft.joined[0], *draft.window], at, arc)

@@ -129,7 +129,7 @@ def match_places(network: RoadNetwork, places: Sequence[Place]) -> RouteMatch | 
     kept = list(range(len(places)))
     strict = search(graph, [place.named for place in places])
     if not isinstance(strict, int):
-        exact = _matched(graph, places, kept, strict)
+        exact = _make_match(graph, places, kept, strict)
         if not any(leg.is_detour for leg in exact.legs):
             return exact
     way = strict
@@ -140,7 +140,7 @@ def match_places(network: RoadNetwork, places: Sequence[Place]) -> RouteMatch | 
     if len(places) >= MIN_TRACK:
         kept, way = _without_outliers(graph, places, kept, way)
     way = _in_named_lanes(network, graph, [places[number] for number in kept], way)
-    match = _matched(graph, places, kept, way)
+    match = _make_match(graph, places, kept, way)
     if not isinstance(strict, int) and _length(exact) - _length(match) < MIN_SAVING:
         return exact
     return match
@@ -156,7 +156,7 @@ def _length(match: RouteMatch) -> float:
     return sum(leg.length for leg in match.legs)
 
 
-def _matched(
+def _make_match(
     graph: LaneGraph, places: Sequence[Place], kept: Sequence[int], way: Way
 ) -> RouteMatch:
     legs = tuple(
@@ -188,7 +188,7 @@ def _without_outliers(
     known: dict[tuple[int, ...], float] = {}
     for _ in range(len(places)):
         detours = [
-            j for j, leg in enumerate(_matched(graph, places, kept, way).legs) if leg.is_detour
+            j for j, leg in enumerate(_make_match(graph, places, kept, way).legs) if leg.is_detour
         ]
         if len(detours) > MAX_DETOURS:
             break
@@ -198,7 +198,7 @@ def _without_outliers(
             for first in range(max(j + 1 - _MAX_RUN, 1), j + 2)
             for last in range(max(first, j), min(first + _MAX_RUN, len(kept)))
         }
-        savings = {run: _saving(graph, places, kept, *run, known) for run in sorted(runs)}
+        savings = {run: _compute_saving(graph, places, kept, *run, known) for run in sorted(runs)}
         best = max(savings, key=savings.__getitem__, default=None)
         if best is None or savings[best] <= 0.0:
             break
@@ -210,7 +210,7 @@ def _without_outliers(
     return kept, way
 
 
-def _saving(
+def _compute_saving(
     graph: LaneGraph,
     places: Sequence[Place],
     kept: Sequence[int],

@@ -12,7 +12,7 @@ from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
 
-from drivora_service.networks.routes.lane_graph import LaneGraph, Step, change_cost, leaving
+from drivora_service.networks.routes.lane_graph import LaneGraph, Step, change_cost, find_exit_steps
 
 BEHIND_TOLERANCE = 1.0
 """Metres by which a place may be behind the preceding one on a lane and still count as reached."""
@@ -146,7 +146,7 @@ def search(
     cost = costs[target]
     way: list[tuple[EdgePass, ...]] = []
     for leg in reversed(legs):
-        target, passes = _traced(graph, leg, target)
+        target, passes = _trace_back(graph, leg, target)
         way.append(passes)
     return Way(legs=tuple(reversed(way)), cost=cost)
 
@@ -185,7 +185,9 @@ def _search_leg(
         least = source_costs[i] + (graph.lengths[source.lane] - source.s)
         if least >= bound or least + cheapest > limit:
             continue
-        first = leaving(graph.lengths, graph.siblings, graph.successors, source.lane, source.s)
+        first = find_exit_steps(
+            graph.lengths, graph.siblings, graph.successors, source.lane, source.s
+        )
         for step in (*first, *_turns_asked_for(graph, source, targets)):
             if allowed is not None and step.lane not in allowed:
                 continue
@@ -238,7 +240,7 @@ def _turns_asked_for(
     graph: LaneGraph, source: Candidate, targets: Sequence[Candidate]
 ) -> list[Step]:
     """Returns the tight turns from the edge of a source that lead to a place's own lanes."""
-    turns = leaving(graph.lengths, graph.siblings, graph.tight, source.lane, source.s)
+    turns = find_exit_steps(graph.lengths, graph.siblings, graph.tight, source.lane, source.s)
     if not turns:
         return []
     dearest = min([target.cost for target in targets]) + NAMED_COST
@@ -273,7 +275,9 @@ def _straight_on(graph: LaneGraph, source: Candidate, target: Candidate) -> floa
     return math.inf
 
 
-def _traced(graph: LaneGraph, leg: _Leg, target_number: int) -> tuple[int, tuple[EdgePass, ...]]:
+def _trace_back(
+    graph: LaneGraph, leg: _Leg, target_number: int
+) -> tuple[int, tuple[EdgePass, ...]]:
     """Follows the parents back from a target; returns its source, and the way from there."""
     target = leg.targets[target_number]
     source, lane = leg.entries[target_number]

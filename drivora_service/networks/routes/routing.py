@@ -142,9 +142,9 @@ def _find_way(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> RouteMatc
         match = around if isinstance(around, int) else replace(match, passes=around.passes)
     if isinstance(match, int):
         raise NoRoute(
-            f"{_named(points, match)} cannot be reached from {_named(points, match - 1)} on "
-            f"network {network.name!r}: no drivable way leads there; move one of them, or check "
-            f"that they lie on the side of the road that leads that way{_turn_hint(network)}"
+            f"{_describe_point(points, match)} cannot be reached from "
+            f"{_describe_point(points, match - 1)} on network {network.name!r}: no "
+            f"drivable way leads there; move one of them, or check that they lie on the side of the road that leads that way{_turn_hint(network)}"
         )
     return match
 
@@ -193,12 +193,14 @@ def _place(network: RoadNetwork, points: Sequence[RoutePoint], number: int) -> P
     """Returns the possible lane positions of a point."""
     point = points[number]
     if not (math.isfinite(point.x) and math.isfinite(point.y)):
-        raise NoRoute(f"{_named(points, number)} is not a place: coordinates must be finite")
+        raise NoRoute(
+            f"{_describe_point(points, number)} is not a place: coordinates must be finite"
+        )
     surroundings = _surroundings(network, point.x, point.y)
     if not surroundings.near:
         raise NoRoute(
-            f"{_named(points, number)} is more than {MAX_DISTANCE:g} m from every drivable lane "
-            f"of network {network.name!r}; move it onto a lane"
+            f"{_describe_point(points, number)} is more than {MAX_DISTANCE:g} m from every "
+            f"drivable lane of network {network.name!r}; move it onto a lane"
         )
     around = _around_point(points, number)
     named, beside, passed = [], [], []
@@ -303,7 +305,7 @@ def _length(way: Sequence[EdgePass]) -> float:
     return sum(one.exit_s - one.s for one in way)
 
 
-def _named(points: Sequence[RoutePoint], number: int) -> str:
+def _describe_point(points: Sequence[RoutePoint], number: int) -> str:
     point = points[number]
     kind = "start" if number == 0 else "destination" if number == len(points) - 1 else "point"
     return f"{kind} {number} at ({point.x:.2f}, {point.y:.2f})"

@@ -79,7 +79,7 @@ def compared_signals(original: Trace, replayed: Trace) -> list[ComparedSignals]:
     ]
 
 
-def recorded_events(trace: Trace) -> dict[EventPlace, str]:
+def collect_events(trace: Trace) -> dict[EventPlace, str]:
     """Returns what happened in single rows: log lines, first contacts, ends of egos."""
     found: dict[EventPlace, list[str]] = {}
 
@@ -110,11 +110,11 @@ def _states(both: _Both, rows: int) -> tuple[ComparedSignals, ComparedSignals]:
     ids = [[actor.id for actor in trace.actors] for trace in both]
     every = _union(*ids)
     present = [
-        _matched(trace.present[:rows], names, every, missing=False)
+        _align(trace.present[:rows], names, every, missing=False)
         for trace, names in zip(both, ids, strict=True)
     ]
     states = [
-        _matched(trace.states[:rows], names, every, missing=np.nan)
+        _align(trace.states[:rows], names, every, missing=np.nan)
         for trace, names in zip(both, ids, strict=True)
     ]
     return (
@@ -143,7 +143,7 @@ def _lights(both: _Both, rows: int) -> ComparedSignals:
     for trace in both:
         own = np.array([shown.index(name) for name in trace.light_state_names], dtype=np.int64)
         states = own[trace.light_states[:rows]] if len(own) else trace.light_states[:rows]
-        codes.append(_matched(states, trace.light_ids, every, missing=_NONE)[:, :, np.newaxis])
+        codes.append(_align(states, trace.light_ids, every, missing=_NONE)[:, :, np.newaxis])
     return ComparedSignals(
         actors=every,
         names=("state",),
@@ -159,39 +159,38 @@ def _egos(both: _Both, rows: int) -> list[ComparedSignals]:
     common = [ego for ego in ids[0] if ego in ids[1]]
     logs = _union(*(trace.log_names for trace in both))
 
-    def compared(
+    def make_signals(
         names: Sequence[str], values: Callable[[Trace], NDArray[Any]], value: Callable[[Any], Value]
     ) -> ComparedSignals:
         original, replayed = (
-            _matched(values(trace)[:rows], own, common)
-            for trace, own in zip(both, ids, strict=True)
+            _align(values(trace)[:rows], own, common) for trace, own in zip(both, ids, strict=True)
         )
         return ComparedSignals(
             actors=common, names=names, original=original, replayed=replayed, value=value
         )
 
     def columns(chosen: Sequence[EgoCol]) -> ComparedSignals:
-        return compared(
+        return make_signals(
             [f"ego_{column.name.lower()}" for column in chosen],
             lambda trace: trace.ego_values[:, :, list(chosen)],
             _number,
         )
 
-    def logged(trace: Trace) -> NDArray[Any]:
+    def align_log(trace: Trace) -> NDArray[Any]:
         by_log = np.moveaxis(trace.log_values, 2, 1)
-        matched = _matched(by_log, trace.log_names, logs, missing=np.nan)
+        matched = _align(by_log, trace.log_names, logs, missing=np.nan)
         return np.moveaxis(matched, 1, 2)
 
     return [
         columns(_MEASURED),
-        compared(("lane",), lambda trace: trace.ego_lanes[:, :, np.newaxis], _lane),
-        compared(("light",), lambda trace: trace.ego_lights[:, :, np.newaxis], _light),
-        compared([f"log:{name}" for name in logs], logged, _number),
+        make_signals(("lane",), lambda trace: trace.ego_lanes[:, :, np.newaxis], _lane),
+        make_signals(("light",), lambda trace: trace.ego_lights[:, :, np.newaxis], _light),
+        make_signals([f"log:{name}" for name in logs], align_log, _number),
         columns(_COMMANDS),
     ]
 
 
-def _matched(
+def _align(
     values: NDArray[Any], names: Sequence[str], wanted: Sequence[str], *, missing: Any = 0
 ) -> NDArray[Any]:
     """Returns values (T, n, …) in the order of other names; those that are not there are filled."""

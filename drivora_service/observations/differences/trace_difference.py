@@ -14,8 +14,8 @@ from drivora_service.geometry.array_shapes import BoolArray
 from drivora_service.observations.differences.compared_signals import (
     ComparedSignals,
     Value,
+    collect_events,
     compared_signals,
-    recorded_events,
 )
 from drivora_service.observations.differences.fact_differences import (
     FactDifference,
@@ -69,7 +69,7 @@ def trace_difference(original: Trace, replayed: Trace) -> TraceDifference | None
     facts = fact_differences(original, replayed)
     signals = [(one, one.unequal()) for one in compared_signals(original, replayed)]
     firsts = [int(rows.argmax()) for rows in (u.any(axis=(1, 2)) for _, u in signals) if rows.any()]
-    before, after = recorded_events(original), recorded_events(replayed)
+    before, after = collect_events(original), collect_events(replayed)
     changed = [place for place in before | after if before.get(place) != after.get(place)]
     firsts += [place.step for place in changed]
     lengths = original.step_count, replayed.step_count

@@ -67,7 +67,7 @@ def open_stream(path: Path, part: TracePart) -> TableStream:
     except FileNotFoundError as error:
         raise StoreError(f"there is no trace {path.name}") from error
     except DAMAGE as error:
-        raise _damaged(path, error) from error
+        raise _make_error(path, error) from error
     for name in part.columns:
         if name not in names:
             file.close()
@@ -90,7 +90,7 @@ def _batches(
             groups = row_groups(file.metadata, (part.first, part.stop))
             for group in groups:
                 table = file.read_row_group(group, columns=schema.names, use_threads=False)
-                table = _chosen_rows(table, part, egos)
+                table = _select_rows(table, part, egos)
                 if waiting is not None:
                     table = pa.concat_tables((waiting, table))
                 steps = table.column("step").to_numpy()
@@ -101,10 +101,10 @@ def _batches(
                     start = end
                 waiting = table.slice(start)
     except DAMAGE as error:
-        raise _damaged(path, error) from error
+        raise _make_error(path, error) from error
 
 
-def _chosen_rows(table: pa.Table, part: TracePart, egos: int) -> pa.Table:
+def _select_rows(table: pa.Table, part: TracePart, egos: int) -> pa.Table:
     steps = table.column("step").to_numpy()
     low, high = np.searchsorted(steps, (part.first, part.stop))
     table = table.slice(low, high - low)
@@ -142,5 +142,5 @@ def _plain(column: pa.ChunkedArray, kind: pa.DataType) -> pa.Array:
     return pa.array(column.to_numpy(), type=kind, from_pandas=False)
 
 
-def _damaged(path: Path, error: Exception) -> StoreError:
+def _make_error(path: Path, error: Exception) -> StoreError:
     return StoreError(f"the trace {path.name} is damaged: {error!r}; run it again")

@@ -31,7 +31,7 @@ def own_breach(ego: EgoView, k: int) -> tuple[Breach, int] | None:
         while begun > 0 and astray[begun - 1]:
             begun -= 1
         return Breach.OFF_ITS_SIDE, begun
-    entered = _entered_on_red(ego, k)
+    entered = _find_red_entry(ego, k)
     return None if entered is None else (Breach.RED_LIGHT, entered)
 
 
@@ -48,7 +48,7 @@ def _astray(ego: EgoView) -> BoolArray:
     return astray
 
 
-def _entered_on_red(ego: EgoView, k: int) -> int | None:
+def _find_red_entry(ego: EgoView, k: int) -> int | None:
     """Returns the row in which the ego passed the stop line of its present junction on red."""
     if not ego.in_junction[k]:
         return None

@@ -19,7 +19,7 @@ import numpy as np
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.geometry.boxes import overlap_depth
-from drivora_service.geometry.kernels import wrapped
+from drivora_service.geometry.kernels import wrap_to_pi
 from drivora_service.observations.sight import is_hidden
 from drivora_service.observations.trace import Col, Trace
 from drivora_service.oracles.avoidability.braking_evasion import place_on, pose_on
@@ -93,17 +93,19 @@ def perceive_risk(
     there = np.ascontiguousarray(replay.present[:rows, 0])
     back = max(round(_MEASURED / replay.step), 1)
     course = _course(poses, there, replay.step, back)
-    kinds: dict[Risk, BoolArray] = {Risk.MEETING: _meeting(replay, driver, grip, poses, course)}
+    kinds: dict[Risk, BoolArray] = {
+        Risk.MEETING: _flag_meeting(replay, driver, grip, poses, course)
+    }
     if not replay.walks[0]:
         beside = _beside(replay.path, poses, there)
         # An actor that goes the ego's way is predicted to keep to its lane: it is no risk while it
         # wanders beside the ego, and one that comes over will not continue across the lane.
         same_way = np.abs(beside[2]) < SAME_WAY
-        closing = _closing_in(replay, driver, grip, course, beside)
+        closing = _flag_closing_in(replay, driver, grip, course, beside)
         kinds[Risk.MEETING] = np.where(same_way, closing, kinds[Risk.MEETING])
-        kinds[Risk.LEADER_BRAKING] = _leader_braking(replay, driver, course, beside)
-        kinds[Risk.CUTTING_IN] = _cutting_in(replay, driver, beside)
-    seen = _seen(replay, trace, ego_row, heights, sight)
+        kinds[Risk.LEADER_BRAKING] = _flag_leader_braking(replay, driver, course, beside)
+        kinds[Risk.CUTTING_IN] = _flag_cutting_in(replay, driver, beside)
+    seen = _flag_seen(replay, trace, ego_row, heights, sight)
     risky = seen & np.logical_or.reduce(list(kinds.values()))
     pause = round(driver.evaluation_time / replay.step)
     first = rows
@@ -118,7 +120,7 @@ def perceive_risk(
     return Perceived(row=first, risk=named, hidden=first > 0 and not seen[first - 1])
 
 
-def _seen(
+def _flag_seen(
     replay: Replay, trace: Trace, ego_row: int, heights: FloatArray, sight: float | FloatArray
 ) -> BoolArray:
     """Returns (contact,) whether the actor that was hit was in sight."""
@@ -133,11 +135,11 @@ def _seen(
     )
     with np.errstate(invalid="ignore"):
         near = present[:, other] & (away <= sight)
-    return near & ~_hidden(ego_row, other, near, states, present, sizes, heights)
+    return near & ~_flag_hidden(ego_row, other, near, states, present, sizes, heights)
 
 
 @compiled
-def _hidden(
+def _flag_hidden(
     ego: int,
     other: int,
     asked: BoolArray,
@@ -182,14 +184,14 @@ def _course(poses: FloatArray, present: BoolArray, step: float, back: int) -> Fl
         if speed > _STANDS:
             course[t, 1] = math.atan2(way_y, way_x)
         if speed > _TURNS:
-            turn = wrapped(poses[t, 2] - poses[begin, 2])
+            turn = wrap_to_pi(poses[t, 2] - poses[begin, 2])
             course[t, 2] = turn / span
         if t - begin > 1:
             course[t, 3] = (first - speed) / (span - step)
     return course
 
 
-def _meeting(
+def _flag_meeting(
     replay: Replay, driver: CarefulDriver, grip: float, poses: FloatArray, course: FloatArray
 ) -> BoolArray:
     """Returns (contact,) whether both, continuing their motion, were about to meet."""
@@ -254,7 +256,7 @@ def _will_meet(
     return meeting
 
 
-def _closing_in(
+def _flag_closing_in(
     replay: Replay, driver: CarefulDriver, grip: float, course: FloatArray, beside: FloatArray
 ) -> BoolArray:
     """Returns (contact,) whether both, on one path in one direction, were about to meet.
@@ -275,7 +277,7 @@ def _closing_in(
     return flags
 
 
-def _leader_braking(
+def _flag_leader_braking(
     replay: Replay, driver: CarefulDriver, course: FloatArray, beside: FloatArray
 ) -> BoolArray:
     """Returns (contact,) whether the actor hit braked hard, in front and within the headway."""
@@ -292,7 +294,7 @@ def _leader_braking(
     return flags
 
 
-def _cutting_in(replay: Replay, driver: CarefulDriver, beside: FloatArray) -> BoolArray:
+def _flag_cutting_in(replay: Replay, driver: CarefulDriver, beside: FloatArray) -> BoolArray:
     """Returns (contact,) whether the actor hit was on its way into the ego's path from beside it.
 
     It is from the row in which it has moved towards the path by more than the wander until it is in
@@ -342,5 +344,5 @@ def _beside(path: FloatArray, poses: FloatArray, present: BoolArray) -> FloatArr
             turn = poses[t, 2] - math.atan2(way_y, way_x)
             found[0, t] = path[i, 0] + share * piece
             found[1, t] = (way_x * y - way_y * x) / piece
-            found[2, t] = wrapped(turn)
+            found[2, t] = wrap_to_pi(turn)
     return found

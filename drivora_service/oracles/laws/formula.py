@@ -79,7 +79,7 @@ class Comparison:
         """Returns the comparison as it is written."""
         return f"{self.left} {self.operator} {self.right}"
 
-    def negated(self) -> Comparison:
+    def negate(self) -> Comparison:
         """Returns the comparison that holds where this one does not."""
         return Comparison(
             left=self.left,

@@ -66,7 +66,7 @@ def junction_distance(ego: EgoView) -> FloatArray:
 def turning(ego: EgoView, directions: str) -> FloatArray:
     """Returns the (n,) rows in which the ego drives a movement of one of SUMO's directions."""
     rows = np.zeros(ego.count)
-    for crossing, way in _driven(ego):
+    for crossing, way in _find_movements(ego):
         if way.connection.direction in directions:
             rows[_through(ego, crossing, way)] = 1.0
     return rows
@@ -75,7 +75,7 @@ def turning(ego: EgoView, directions: str) -> FloatArray:
 def at_signal(ego: EgoView) -> FloatArray:
     """Returns the (n,) rows in a junction in which a signal in operation controls the movement."""
     rows = np.zeros(ego.count)
-    for crossing, way in _driven(ego):
+    for crossing, way in _find_movements(ego):
         shown = signal_shown(ego, way.connection)
         if shown is not None and shown[crossing.front] != Light.NONE:
             rows[_through(ego, crossing, way)] = 1.0
@@ -86,7 +86,7 @@ def wrong_lane(ego: EgoView) -> FloatArray:
     """Returns the (n,) rows in a junction of a movement that is not permitted from its lane."""
     rows = np.zeros(ego.count)
     lines = stop_lines(ego.network)
-    for crossing, way in _driven(ego):
+    for crossing, way in _find_movements(ego):
         if way not in lines.ways[crossing.line]:
             rows[_through(ego, crossing, way)] = 1.0
     return rows
@@ -110,7 +110,7 @@ def _least(ego: EgoView, conflicts: Iterator[Conflict]) -> tuple[FloatArray, Flo
     return gap, braking
 
 
-def _driven(ego: EgoView) -> Iterator[tuple[Crossing, WayThrough]]:
+def _find_movements(ego: EgoView) -> Iterator[tuple[Crossing, WayThrough]]:
     """Yields the crossings of stop lines after which the ego's movement is known."""
     for crossing in ego.crossings:
         if len(crossing.ways) == 1 and crossing.ways[0].inside:

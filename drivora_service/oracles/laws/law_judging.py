@@ -52,15 +52,17 @@ class LawOracle:
             return [not_started(self.name, ego)]
         robustness = _over(ego, beyond=MOST).of(self.law.formula)
         least = round(float(robustness.min()), _DECIMALS)
-        violations = _merged(stretches(robustness < 0.0), ego.step_length)
+        violations = _merge_stretches(stretches(robustness < 0.0), ego.step_length)
         if not violations:
             message = f"Kept (robustness {least:+.2f})."
             ways = len(self.law.sub_violations)
             return [passed(self.name, ego, message, robustness=least, ways=ways)]
         curve = _curve(ego, robustness)
-        return [self._violated(ego, robustness, first, last, curve) for first, last in violations]
+        return [
+            self._make_violation(ego, robustness, first, last, curve) for first, last in violations
+        ]
 
-    def _violated(
+    def _make_violation(
         self,
         ego: EgoView,
         robustness: FloatArray,
@@ -129,7 +131,7 @@ def _values(view: ref[EgoView], name: str) -> FloatArray:
     return signal_values(ego, name)
 
 
-def _merged(found: list[tuple[int, int]], step_length: float) -> list[tuple[int, int]]:
+def _merge_stretches(found: list[tuple[int, int]], step_length: float) -> list[tuple[int, int]]:
     """Joins stretches with less than ``_PAUSE`` between them."""
     merged: list[tuple[int, int]] = []
     for first, last in found:

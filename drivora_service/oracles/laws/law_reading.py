@@ -24,7 +24,7 @@ from drivora_service.oracles.laws.places import Places
 from drivora_service.oracles.laws.sources import LawSource
 from drivora_service.oracles.laws.units import read_unit
 from drivora_service.scenario.document_problems import in_document_order, structural_problems
-from drivora_service.scenario.plain_data import decoded, plain_data
+from drivora_service.scenario.plain_data import decode_text, plain_data
 
 _MAX_BYTES = 256 * 1024
 
@@ -39,7 +39,7 @@ def read_laws(source: LawSource) -> tuple[Law, ...]:
     if source.fault:
         raise InvalidDocument((Problem(pointer="", code="unreadable", message=source.fault),))
     content, problems = plain_data(source.data, "yaml", what="a law file")
-    places = Places(decoded(source.data, _MAX_BYTES))
+    places = Places(decode_text(source.data, _MAX_BYTES))
     try:
         document = LawFileDocument.model_validate(content)
     except ValidationError as error:
@@ -49,7 +49,7 @@ def read_laws(source: LawSource) -> tuple[Law, ...]:
             for problem in structural_problems(error, LawFileDocument)
             if problem.pointer not in known
         ]
-        raise _refused(source.file, problems, content, places) from error
+        raise _make_error(source.file, problems, content, places) from error
     laws = []
     digest = hashlib.sha256(source.data).hexdigest()
     names: dict[str, str] = {}
@@ -71,7 +71,7 @@ def read_laws(source: LawSource) -> tuple[Law, ...]:
                     Problem(pointer=f"{pointer}/formula", code="formula", message=message)
                 )
     if problems:
-        raise _refused(source.file, problems, content, places)
+        raise _make_error(source.file, problems, content, places)
     return tuple(laws)
 
 
@@ -131,7 +131,7 @@ def _parameter_problems(law: LawDocument, pointer: str) -> Iterator[Problem]:
             yield Problem(pointer=f"{place}/unit", code="unit", message=message)
 
 
-def _refused(
+def _make_error(
     file: str, problems: list[Problem], content: dict[str, Any], places: Places
 ) -> InvalidDocument:
     """Returns the error of all problems, each with its place."""

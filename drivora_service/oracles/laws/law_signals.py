@@ -26,7 +26,7 @@ from drivora_service.oracles.laws.lane_signals import has_lane_beside, lane_chan
 from drivora_service.oracles.laws.motion_signals import (
     acceleration,
     light_distance,
-    lit,
+    shows_light,
     speed_limit,
 )
 from drivora_service.oracles.laws.traffic_signals import (
@@ -100,17 +100,17 @@ SIGNALS: tuple[Signal, ...] = (
     _flag(
         "light_red",
         "The next signal on the route shows red.",
-        lambda ego: lit(ego, Light.RED),
+        lambda ego: shows_light(ego, Light.RED),
     ),
     _flag(
         "light_yellow",
         "The next signal on the route shows yellow.",
-        lambda ego: lit(ego, Light.YELLOW),
+        lambda ego: shows_light(ego, Light.YELLOW),
     ),
     _flag(
         "light_green",
         "The next signal on the route shows green.",
-        lambda ego: lit(ego, Light.GREEN),
+        lambda ego: shows_light(ego, Light.GREEN),
     ),
     _measure(
         "light_distance",

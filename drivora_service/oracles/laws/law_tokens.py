@@ -55,7 +55,7 @@ class Token:
         return "the end of the formula" if self.kind == "end" else repr(self.text)
 
 
-def tokens_of(text: str) -> tuple[Token, ...]:
+def tokenize(text: str) -> tuple[Token, ...]:
     """Splits a formula into tokens; the last is of the kind ``end``.
 
     Raises:

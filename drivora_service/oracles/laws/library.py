@@ -9,7 +9,7 @@ from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.oracles.laws.law import BrokenLawFile, Law
 from drivora_service.oracles.laws.law_reading import read_laws
 from drivora_service.oracles.laws.law_schema import shipped_laws
-from drivora_service.oracles.laws.sources import LawSource, law_sources
+from drivora_service.oracles.laws.sources import LawSource, read_law_sources
 
 
 class LawLibrary:
@@ -22,7 +22,7 @@ class LawLibrary:
             sources: The user's files.
             taken: Names of other oracles.
         """
-        found = {law.name: law for law in _shipped()}
+        found = {law.name: law for law in _read_shipped_laws()}
         self._shipped = tuple(found)
         self._broken: dict[str, BrokenLawFile] = {}
         for source in sources:
@@ -73,5 +73,5 @@ class LawLibrary:
 
 
 @cache
-def _shipped() -> tuple[Law, ...]:
-    return tuple(law for source in law_sources(shipped_laws()) for law in read_laws(source))
+def _read_shipped_laws() -> tuple[Law, ...]:
+    return tuple(law for source in read_law_sources(shipped_laws()) for law in read_laws(source))

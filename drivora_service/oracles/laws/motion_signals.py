@@ -27,7 +27,7 @@ def light_distance(ego: EgoView) -> FloatArray:
     return np.where(off_route(ego), np.nan, ego.value(EgoCol.LIGHT_DISTANCE))
 
 
-def lit(ego: EgoView, state: Light) -> FloatArray:
+def shows_light(ego: EgoView, state: Light) -> FloatArray:
     """Returns the (n,) rows in which the next signal of the route shows a state."""
     shown: FloatArray = ((ego.lights == state) & ~off_route(ego)).astype(np.float64)
     return shown

@@ -28,7 +28,7 @@ def normal_form(formula: Formula, *, negated: bool = False) -> Formula:
     """
     match formula:
         case Comparison():
-            return formula.negated() if negated else formula
+            return formula.negate() if negated else formula
         case Flag():
             return Flag(signal=formula.signal, holds=formula.holds is not negated)
         case Not():
@@ -36,10 +36,10 @@ def normal_form(formula: Formula, *, negated: bool = False) -> Formula:
         case Implies():
             condition = normal_form(formula.condition, negated=not negated)
             consequence = normal_form(formula.consequence, negated=negated)
-            return _joined(And if negated else Or, (condition, consequence))
+            return _join(And if negated else Or, (condition, consequence))
         case And() | Or():
             parts = tuple(normal_form(part, negated=negated) for part in formula.parts)
-            return _joined(And if isinstance(formula, And) is not negated else Or, parts)
+            return _join(And if isinstance(formula, And) is not negated else Or, parts)
         case Temporal():
             return Temporal(
                 window=formula.window.dual if negated else formula.window,
@@ -78,7 +78,7 @@ def _cases(formula: Formula) -> tuple[Formula, ...]:
             )
         case And():
             return tuple(
-                _joined(And, parts) for parts in product(*(_cases(part) for part in formula.parts))
+                _join(And, parts) for parts in product(*(_cases(part) for part in formula.parts))
             )
         case Temporal(window=window) if not window.is_universal:
             return tuple(
@@ -101,7 +101,7 @@ def _cases_where(parts: tuple[Formula, ...], chosen: tuple[int, ...]) -> tuple[F
         normal_form(part, negated=True) for place, part in enumerate(parts) if place not in chosen
     )
     return tuple(
-        _joined(And, (*held, *others)) for held in product(*(_cases(parts[c]) for c in chosen))
+        _join(And, (*held, *others)) for held in product(*(_cases(parts[c]) for c in chosen))
     )
 
 
@@ -126,7 +126,7 @@ def _count(formula: Formula) -> int:
             return 1
 
 
-def _joined(kind: type[And] | type[Or], parts: tuple[Formula, ...]) -> Formula:
+def _join(kind: type[And] | type[Or], parts: tuple[Formula, ...]) -> Formula:
     """Returns a conjunction or disjunction whose parts are not of the same kind; none twice."""
     flat: dict[Formula, None] = {}
     for part in parts:

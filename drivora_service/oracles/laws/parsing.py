@@ -23,15 +23,15 @@ from drivora_service.oracles.laws.formula import (
     Window,
 )
 from drivora_service.oracles.laws.law_signals import BY_NAME
-from drivora_service.oracles.laws.law_tokens import FormulaError, Token, tokens_of
+from drivora_service.oracles.laws.law_tokens import FormulaError, Token, tokenize
 from drivora_service.oracles.laws.units import SECOND, Unit
 from drivora_service.oracles.laws.values import (
     Value,
-    added,
-    compared,
-    divided,
-    multiplied,
-    negative,
+    add_values,
+    compare_values,
+    divide_values,
+    multiply_values,
+    negate_value,
 )
 
 MAX_DEPTH = 40
@@ -76,7 +76,7 @@ def read_law(text: str, parameters: Mapping[str, Quantity]) -> tuple[Formula, fr
 class _Parser:
     def __init__(self, text: str, parameters: Mapping[str, Quantity]) -> None:
         self._text, self._parameters = text, parameters
-        self._tokens = tokens_of(text)
+        self._tokens = tokenize(text)
         self._next = 0
         self._depth = 0
         self.used: set[str] = set()
@@ -111,12 +111,12 @@ class _Parser:
         self._next = min(self._next + 1, len(self._tokens) - 1)
         return token
 
-    def _taken(self, *texts: str) -> Token | None:
+    def _accept(self, *texts: str) -> Token | None:
         """Takes the next token if it is one of some signs."""
         return self._take() if self._here.kind == "sign" and self._here.text in texts else None
 
     def _expect(self, text: str, why: str) -> None:
-        if self._taken(text) is None:
+        if self._accept(text) is None:
             raise FormulaError(f"found {self._here}; expected {text!r} {why}", self._here.offset)
 
     def _inside(self, part: Callable[[], Part]) -> Part:
@@ -132,7 +132,7 @@ class _Parser:
 
     def _implication(self) -> Part:
         left = self._any_of()
-        if self._taken("->") is None:
+        if self._accept("->") is None:
             return left
         condition = self._formula(left)
         return Implies(
@@ -142,20 +142,20 @@ class _Parser:
     def _any_of(self) -> Part:
         first = self._all_of()
         parts = [first]
-        while self._taken("or") is not None:
+        while self._accept("or") is not None:
             parts.append(self._all_of())
         return first if len(parts) == 1 else Or(parts=tuple(map(self._formula, parts)))
 
     def _all_of(self) -> Part:
         first = self._until()
         parts = [first]
-        while self._taken("and") is not None:
+        while self._accept("and") is not None:
             parts.append(self._until())
         return first if len(parts) == 1 else And(parts=tuple(map(self._formula, parts)))
 
     def _until(self) -> Part:
         left = self._comparison()
-        word = self._taken("until")
+        word = self._accept("until")
         if word is None:
             return left
         interval = self._interval(word)
@@ -164,11 +164,11 @@ class _Parser:
 
     def _comparison(self) -> Part:
         left = self._sum()
-        sign = self._taken(*_COMPARISONS)
+        sign = self._accept(*_COMPARISONS)
         if sign is None:
             return left
         right = self._sum()
-        made = compared(self._value(left), sign.text, self._value(right), sign.offset)
+        made = compare_values(self._value(left), sign.text, self._value(right), sign.offset)
         if self._here.text in _COMPARISONS:
             raise FormulaError(
                 f"found a second comparison, {self._here}; join two by `and`", self._here.offset
@@ -178,10 +178,10 @@ class _Parser:
     def _sum(self) -> Part:
         begin = self._here.offset
         left = self._product()
-        while (sign := self._taken("+", "-")) is not None:
+        while (sign := self._accept("+", "-")) is not None:
             right = self._product()
             factor = 1.0 if sign.text == "+" else -1.0
-            left = added(
+            left = add_values(
                 self._value(left), self._value(right), factor, self._since(begin), sign.offset
             )
         return left
@@ -189,9 +189,9 @@ class _Parser:
     def _product(self) -> Part:
         begin = self._here.offset
         left = self._unary()
-        while (sign := self._taken("*", "/")) is not None:
+        while (sign := self._accept("*", "/")) is not None:
             right = self._unary()
-            join = multiplied if sign.text == "*" else divided
+            join = multiply_values if sign.text == "*" else divide_values
             left = join(self._value(left), self._value(right), self._since(begin), sign.offset)
         return left
 
@@ -200,18 +200,20 @@ class _Parser:
         if token.kind == "number":
             return self._number(token)
         if token.kind == "name":
-            return self._named(token)
+            return self._resolve_name(token)
         if token.text == "(":
             found = self._inside(self._implication)
             self._expect(")", f"for the bracket at character {token.offset + 1}")
             if isinstance(found, Value):
-                return negative(negative(found, "", 0), self._since(token.offset), token.offset)
+                return negate_value(
+                    negate_value(found, "", 0), self._since(token.offset), token.offset
+                )
             return found
         if token.text == "not":
             return Not(inner=self._formula(self._inside(self._unary)))
         if token.text == "-":
             value = self._value(self._inside(self._unary))
-            return negative(value, self._since(token.offset), token.offset)
+            return negate_value(value, self._since(token.offset), token.offset)
         if token.text in _WINDOWS:
             interval = self._interval(token)
             inner = self._formula(self._inside(self._unary))
@@ -228,7 +230,7 @@ class _Parser:
             raise FormulaError(f"found {token}; at most 1e9 is allowed", token.offset)
         return Value(terms={}, constant=number, unit=None, offset=token.offset, text=token.text)
 
-    def _named(self, token: Token) -> Part:
+    def _resolve_name(self, token: Token) -> Part:
         if token.text in self._parameters:
             self.used.add(token.text)
             quantity = self._parameters[token.text]
@@ -263,7 +265,7 @@ class _Parser:
         ).replace("' Known", "'. Known")
 
     def _interval(self, word: Token) -> Interval:
-        if self._taken("[") is None:
+        if self._accept("[") is None:
             raise FormulaError(
                 f"found {self._here} after `{word.text}`; expected its interval in seconds, as "
                 f"`{word.text}[0:3]`: only the `always` that begins a law is without bounds",
@@ -297,14 +299,14 @@ class _Parser:
             )
         if value.unit not in (None, SECOND):
             raise FormulaError(
-                f"found {value.described()}; the bounds of an interval are in s", value.offset
+                f"found {value.describe()}; the bounds of an interval are in s", value.offset
             )
         return value.constant
 
     def _formula(self, part: Part) -> Formula:
         if isinstance(part, Value):
             raise FormulaError(
-                f"found the value {part.described()} where a condition is needed; compare it by "
+                f"found the value {part.describe()} where a condition is needed; compare it by "
                 "<=, <, >= or >",
                 part.offset,
             )

@@ -20,7 +20,7 @@ class Places:
 
     def of(self, pointer: str) -> Place:
         """Returns where the value at a JSON pointer begins; that of the nearest part around it."""
-        mark = self._found(pointer)[0]
+        mark = self._find_node(pointer)[0]
         return mark.line + 1, mark.column + 1
 
     def inside(self, pointer: str, offset: int) -> Place:
@@ -29,7 +29,7 @@ class Places:
         YAML folds lines and drops indentation, but keeps the order of all other characters: the
         n-th of the value that is not white space is the n-th in the file.
         """
-        mark, node = self._found(pointer)
+        mark, node = self._find_node(pointer)
         if not isinstance(node, yaml.ScalarNode):
             return mark.line + 1, mark.column + 1
         value: str = node.value
@@ -52,7 +52,7 @@ class Places:
         start = self._text.rfind("\n", 0, position) + 1
         return self._text.count("\n", 0, position) + 1, position - start + 1
 
-    def _found(self, pointer: str) -> tuple[Any, Any]:
+    def _find_node(self, pointer: str) -> tuple[Any, Any]:
         """Returns the mark and the node of the deepest part of a pointer that exists."""
         node = self._root
         mark = node.start_mark

@@ -53,10 +53,10 @@ class Robustness:
         """Returns the (n,) robustness of a formula in normal form."""
         known = self._known.get(formula)
         if known is None:
-            known = self._known[formula] = self._computed(formula)
+            known = self._known[formula] = self._compute(formula)
         return known
 
-    def _computed(self, formula: Formula) -> FloatArray:
+    def _compute(self, formula: Formula) -> FloatArray:
         match formula:
             case Comparison():
                 total: FloatArray = np.full(self._count, formula.constant, dtype=np.float64)
@@ -66,7 +66,7 @@ class Robustness:
             case Flag():
                 return np.where((self._signal(formula.signal) > 0.5) == formula.holds, MOST, LEAST)
             case And() | Or():
-                return self._reduced(formula)
+                return self._reduce(formula)
             case Temporal():
                 return self._window(formula)
             case Until():
@@ -74,7 +74,7 @@ class Robustness:
             case Not() | Implies():
                 raise TypeError("robustness is computed of formulas in normal form")
 
-    def _reduced(self, formula: And | Or) -> FloatArray:
+    def _reduce(self, formula: And | Or) -> FloatArray:
         """Joins parts until the result is known: most flags are false throughout a run."""
         is_and = isinstance(formula, And)
         pick, last = (np.minimum, LEAST) if is_and else (np.maximum, MOST)
@@ -92,8 +92,8 @@ class Robustness:
         first, last = self._rows(formula.interval)
         pick = np.minimum if formula.window.is_universal else np.maximum
         if formula.window.is_past:
-            return _slid(inner[::-1], first, last, pick, self._beyond)[::-1]
-        return _slid(inner, first, last, pick, self._beyond)
+            return _slide_window(inner[::-1], first, last, pick, self._beyond)[::-1]
+        return _slide_window(inner, first, last, pick, self._beyond)
 
     def _until(self, formula: Until) -> FloatArray:
         left, right = self.of(formula.left), self.of(formula.right)
@@ -104,22 +104,22 @@ class Robustness:
         found = np.full(self._count, MOST if formula.dual else LEAST)
         for ahead in range(last + 1):
             if ahead >= first:
-                found = either(found, both(held, _shifted(right, ahead, self._beyond)))
-            held = both(held, _shifted(left, ahead, self._beyond))
+                found = either(found, both(held, _shift(right, ahead, self._beyond)))
+            held = both(held, _shift(left, ahead, self._beyond))
         return found
 
     def _rows(self, interval: Interval) -> tuple[int, int]:
         return round(interval.start / self._step), round(interval.end / self._step)
 
 
-def _shifted(values: FloatArray, by: int, beyond: float) -> FloatArray:
+def _shift(values: FloatArray, by: int, beyond: float) -> FloatArray:
     """Returns the values ``by`` rows later."""
     shifted = np.full(len(values), beyond)
     shifted[: max(len(values) - by, 0)] = values[by:]
     return shifted
 
 
-def _slid(
+def _slide_window(
     values: FloatArray,
     first: int,
     last: int,

@@ -27,7 +27,7 @@ class LawSource:
     fault: str = ""
 
 
-def law_source(path: Path) -> LawSource:
+def read_law_source(path: Path) -> LawSource:
     """Reads a law file."""
     try:
         return LawSource(file=path.name, data=path.read_bytes())
@@ -35,12 +35,12 @@ def law_source(path: Path) -> LawSource:
         return LawSource(file=path.name, data=b"", fault=f"cannot be read: {error}")
 
 
-def law_sources(folder: Path | None) -> tuple[LawSource, ...]:
+def read_law_sources(folder: Path | None) -> tuple[LawSource, ...]:
     """Reads the law files of a folder in the order of their names; none if it does not exist."""
     if folder is None or not folder.is_dir():
         return ()
     return tuple(
-        law_source(path)
+        read_law_source(path)
         for path in sorted(folder.iterdir())
         if path.suffix in SUFFIXES and not path.name.startswith(".")
     )

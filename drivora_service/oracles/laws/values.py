@@ -35,12 +35,12 @@ class Value:
         """Whether it has no signal."""
         return not self.terms
 
-    def described(self) -> str:
+    def describe(self) -> str:
         """Returns the value for messages."""
         return f"`{self.text}`" + ("" if self.unit is None else f" in {self.unit}")
 
 
-def added(left: Value, right: Value, sign: float, text: str, offset: int) -> Value:
+def add_values(left: Value, right: Value, sign: float, text: str, offset: int) -> Value:
     """Returns a sum (``sign`` 1) or difference (-1).
 
     Raises:
@@ -59,7 +59,7 @@ def added(left: Value, right: Value, sign: float, text: str, offset: int) -> Val
     )
 
 
-def multiplied(left: Value, right: Value, text: str, offset: int) -> Value:
+def multiply_values(left: Value, right: Value, text: str, offset: int) -> Value:
     """Returns a product.
 
     Raises:
@@ -72,10 +72,10 @@ def multiplied(left: Value, right: Value, text: str, offset: int) -> Value:
             offset,
         )
     by, other = (left, right) if left.is_constant else (right, left)
-    return _scaled(other, by.constant, _joined(left, right, Unit.__mul__), left.offset, text)
+    return _scale(other, by.constant, _combine_units(left, right, Unit.__mul__), left.offset, text)
 
 
-def divided(left: Value, right: Value, text: str, offset: int) -> Value:
+def divide_values(left: Value, right: Value, text: str, offset: int) -> Value:
     """Returns a quotient.
 
     Raises:
@@ -86,17 +86,17 @@ def divided(left: Value, right: Value, text: str, offset: int) -> Value:
         raise FormulaError(
             f"found {found} as a divisor; allowed are numbers and parameters other than 0", offset
         )
-    return _scaled(
-        left, 1.0 / right.constant, _joined(left, right, Unit.__truediv__), left.offset, text
+    return _scale(
+        left, 1.0 / right.constant, _combine_units(left, right, Unit.__truediv__), left.offset, text
     )
 
 
-def negative(value: Value, text: str, offset: int) -> Value:
+def negate_value(value: Value, text: str, offset: int) -> Value:
     """Returns the value with the other sign."""
-    return _scaled(value, -1.0, value.unit, offset, text)
+    return _scale(value, -1.0, value.unit, offset, text)
 
 
-def compared(left: Value, operator: str, right: Value, offset: int) -> Comparison:
+def compare_values(left: Value, operator: str, right: Value, offset: int) -> Comparison:
     """Returns the comparison of two values, scaled to the common range.
 
     Raises:
@@ -104,7 +104,7 @@ def compared(left: Value, operator: str, right: Value, offset: int) -> Compariso
     """
     _common_unit(left, right, "compared", offset)
     greater, less = (left, right) if operator in (">", ">=") else (right, left)
-    difference = added(greater, less, -1.0, "", offset)
+    difference = add_values(greater, less, -1.0, "", offset)
     if difference.is_constant:
         raise FormulaError(
             f"`{left.text} {operator} {right.text}` names no signal whose value matters", offset
@@ -119,7 +119,7 @@ def compared(left: Value, operator: str, right: Value, offset: int) -> Compariso
     )
 
 
-def _scaled(value: Value, factor: float, unit: Unit | None, offset: int, text: str) -> Value:
+def _scale(value: Value, factor: float, unit: Unit | None, offset: int, text: str) -> Value:
     return Value(
         terms={name: own * factor for name, own in value.terms.items() if own * factor},
         constant=value.constant * factor,
@@ -133,11 +133,13 @@ def _common_unit(left: Value, right: Value, done: str, offset: int) -> Unit | No
     if left.unit is None or right.unit is None or left.unit == right.unit:
         return right.unit if left.unit is None else left.unit
     raise FormulaError(
-        f"{left.described()} and {right.described()} cannot be {done}: the units differ", offset
+        f"{left.describe()} and {right.describe()} cannot be {done}: the units differ", offset
     )
 
 
-def _joined(left: Value, right: Value, operation: Callable[[Unit, Unit], Unit]) -> Unit | None:
+def _combine_units(
+    left: Value, right: Value, operation: Callable[[Unit, Unit], Unit]
+) -> Unit | None:
     if left.unit is None and right.unit is None:
         return None
     return operation(left.unit or ONE, right.unit or ONE)

@@ -83,11 +83,11 @@ def find_impact(trace: Trace, ego: Actor, other: Actor, step: int) -> Impact:
             float(pose[0, 1] + x * sin + y * cos),
         ),
         appeared=step > 0 and not begun,
-        jumped=begun and _jumped(before[1], after[1], trace.step_length),
+        jumped=begun and _has_jumped(before[1], after[1], trace.step_length),
     )
 
 
-def _jumped(before: FloatArray, after: FloatArray, step_length: float) -> bool:
+def _has_jumped(before: FloatArray, after: FloatArray, step_length: float) -> bool:
     """Returns whether an actor's displacement disagrees with its speeds before and after a step."""
     speeds = 0.5 * (before[[Col.VX, Col.VY]] + after[[Col.VX, Col.VY]])
     unexplained = (after - before)[[Col.X, Col.Y]] - speeds * step_length

@@ -151,13 +151,13 @@ def _behind(scene: Scene) -> Party | None:
     if scene.angle > ALONG:
         return None
     if scene.face(ego) is Face.FRONT and scene.face(other) is not Face.FRONT:
-        return ego if scene.face(other) is Face.REAR or not _moved_over(scene, other) else None
+        return ego if scene.face(other) is Face.REAR or not _has_moved_over(scene, other) else None
     if scene.face(other) is Face.FRONT and scene.face(ego) is not Face.FRONT:
-        return other if scene.face(ego) is Face.REAR or not _moved_over(scene, ego) else None
+        return other if scene.face(ego) is Face.REAR or not _has_moved_over(scene, ego) else None
     return None
 
 
-def _moved_over(scene: Scene, party: Party) -> bool:
+def _has_moved_over(scene: Scene, party: Party) -> bool:
     """Returns whether a party whose side was touched came from another lane."""
     return party.entry(scene.way(scene.opposite(party)), scene.opposite(party).yaw) != 0
 

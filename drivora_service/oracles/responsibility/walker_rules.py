@@ -14,13 +14,13 @@ def walker(scene: Scene) -> Finding | None:
     if scene.other_role is not Role.NPC_WALKER:
         return None
     if scene.stands(scene.ego):
-        return _found(Fault.OTHER, "the ego stood")
+        return _make_finding(Fault.OTHER, "the ego stood")
     if not scene.areas.drivable_at(scene.impact.place, 0.3):
-        return _found(Fault.EGO, "the ego hit a pedestrian beside the road")
+        return _make_finding(Fault.EGO, "the ego hit a pedestrian beside the road")
     if scene.astray(scene.ego) > ASTRAY:
-        return _found(Fault.EGO, "the ego drove in the lane of the other direction")
+        return _make_finding(Fault.EGO, "the ego drove in the lane of the other direction")
     if scene.impact.face is not Face.FRONT:
-        return _found(Fault.OTHER, "the pedestrian walked into the passing ego")
+        return _make_finding(Fault.OTHER, "the pedestrian walked into the passing ego")
     step = scene.other.step(_entry(scene))
     in_time = scene.could_brake(scene.ego, step)
     crossings = scene.areas.on_crossing(scene.other.place(scene.other.count - 1))
@@ -28,20 +28,22 @@ def walker(scene: Scene) -> Finding | None:
     seconds = (scene.step - step) * scene.trace.step_length
     if not crossings or any(signal_is_red(scene, link, step) for link in links):
         if in_time:
-            return _found(Fault.EGO, f"the pedestrian had been in the road for {seconds:.1f} s")
+            return _make_finding(
+                Fault.EGO, f"the pedestrian had been in the road for {seconds:.1f} s"
+            )
         if scene.other.from_beginning and step == 0:
             return Finding(
                 rule="too_near",
                 fault=Fault.UNKNOWN,
                 reason="the record begins too late to tell: they were too near then",
             )
-        return _found(
+        return _make_finding(
             Fault.OTHER,
             f"the pedestrian came into the road {seconds:.1f} s before, too late to brake for",
         )
     if in_time or links:
-        return _found(Fault.EGO, "the pedestrian was on a crossing")
-    return _found(
+        return _make_finding(Fault.EGO, "the pedestrian was on a crossing")
+    return _make_finding(
         Fault.UNKNOWN,
         f"the pedestrian came on to the crossing {seconds:.1f} s before, too late to brake for",
     )
@@ -65,5 +67,5 @@ def _link(scene: Scene, crossing: int) -> tuple[str, int] | None:
     return None
 
 
-def _found(fault: Fault, reason: str) -> Finding:
+def _make_finding(fault: Fault, reason: str) -> Finding:
     return Finding(rule="pedestrian", fault=fault, reason=reason)

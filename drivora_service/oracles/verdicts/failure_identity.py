@@ -48,7 +48,7 @@ class FailureIdentity(Shape):
             and self._is_near(verdict.location)
         )
 
-    def found_in(self, verdicts: Iterable[Verdict]) -> Verdict | None:
+    def find_in(self, verdicts: Iterable[Verdict]) -> Verdict | None:
         """Returns the earliest violation of this identity in the verdicts of a run."""
         return min(filter(self.is_of, verdicts), key=_time, default=None)
 

@@ -122,7 +122,7 @@ def make_whole(content: Mapping[str, Any], problems: Sequence[Problem]) -> Draft
             return None
         places = {place for problem in fresh for place in _repairs(problem, whole)}
         for place in places - replaced:
-            whole = _repaired(whole, place, place)
+            whole = _repair(whole, place, place)
         replaced |= places
         try:
             document = ScenarioDocument.model_validate(whole)
@@ -143,13 +143,13 @@ def _repairs(problem: Problem, content: Mapping[str, Any]) -> list[Place]:
     place = tokens(problem.pointer, content)
     if problem.code in _CONTRADICTIONS:
         return [(*place, key) for key in _CONTRADICTIONS[problem.code]]
-    repairs = [_widened(place)]
+    repairs = [_find_removable_part(place)]
     if problem.code == "extra_forbidden":
-        repairs.append(_meant(place, content))
+        repairs.append(_guess_key(place, content))
     return [repair for repair in repairs if repair]
 
 
-def _widened(place: Place) -> Place:
+def _find_removable_part(place: Place) -> Place:
     """Returns the smallest part around a place that can be removed from a document."""
     if len(place) > 2 and place[0] in NAMED_LISTS and place[2] in _WHOLES:
         return place[:3]
@@ -165,7 +165,7 @@ def _widened(place: Place) -> Place:
     return ()
 
 
-def _meant(place: Place, content: Any) -> Place:
+def _guess_key(place: Place, content: Any) -> Place:
     """Returns the place of the key that an unknown key was probably meant to be."""
     *above, key = place
     for token in above:
@@ -177,7 +177,7 @@ def _meant(place: Place, content: Any) -> Place:
     return (*above, *close) if close else ()
 
 
-def _repaired(content: Any, place: Place, rest: Place) -> Any:
+def _repair(content: Any, place: Place, rest: Place) -> Any:
     """Returns a copy without the part at a place, or with a placeholder; shares all else.
 
     Args:
@@ -190,14 +190,14 @@ def _repaired(content: Any, place: Place, rest: Place) -> Any:
         # Another repair may have emptied the list.
         if not isinstance(content, list | tuple) or token >= len(content):
             return content
-        item = _repaired(content[token], place, tuple(below)) if below else _ACTORS[str(place[0])]
+        item = _repair(content[token], place, tuple(below)) if below else _ACTORS[str(place[0])]
         return [*content[:token], item, *content[token + 1 :]]
     if not isinstance(content, Mapping):
         return content
     if below:
         if token not in content:
             return content
-        return {**content, token: _repaired(content[token], place, tuple(below))}
+        return {**content, token: _repair(content[token], place, tuple(below))}
     without = {key: value for key, value in content.items() if key != token}
     if token in _STAND_INS and token in model_at(ScenarioDocument, place[:-1]).model_fields:
         without[token] = _STAND_INS[token]

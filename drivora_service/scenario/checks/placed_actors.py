@@ -25,7 +25,12 @@ from drivora_service.scenario.model import (
     Scenario,
     Waypoint,
 )
-from drivora_service.scenario.models.actor_models import ActorKind, ActorModel, actor_model, resized
+from drivora_service.scenario.models.actor_models import (
+    ActorKind,
+    ActorModel,
+    actor_model,
+    resize_model,
+)
 from drivora_service.scenario.plain_data import pointer
 
 
@@ -151,7 +156,7 @@ def _obstacle(
         list_name="npc_obstacles",
         index=index,
         id=obstacle.id,
-        model=found and resized(found, obstacle.length, obstacle.width),
+        model=found and resize_model(found, obstacle.length, obstacle.width),
         places=_places((obstacle.location,), frame),
         start_time=obstacle.start_time,
     )

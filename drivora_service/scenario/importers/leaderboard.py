@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.documents import parse_document
 from drivora_service.scenario.importers.imported import ImportedScenario, short_name
-from drivora_service.scenario.plain_data import MAX_DEPTH, MAX_DOCUMENT_BYTES, decoded, refusal
+from drivora_service.scenario.plain_data import MAX_DEPTH, MAX_DOCUMENT_BYTES, decode_text, refusal
 
 EGO_MODEL = "vehicle.lincoln.mkz_2017"
 MAX_ROUTES = 2000
@@ -43,7 +43,7 @@ def import_routes(data: str | bytes, *, agent: str = "idm") -> tuple[ImportedSce
     Raises:
         InvalidDocument: Every problem; pointers start with ``/routes/INDEX`` of the route.
     """
-    root = _root(decoded(data, MAX_DOCUMENT_BYTES))
+    root = _parse_xml(decode_text(data, MAX_DOCUMENT_BYTES))
     routes = root.findall("route")
     if root.tag != "routes" or not routes:
         raise refusal("no_routes", f"found <{root.tag}>; <routes> with <route> in it is needed")
@@ -68,7 +68,7 @@ def import_routes(data: str | bytes, *, agent: str = "idm") -> tuple[ImportedSce
     return tuple(scenarios)
 
 
-def _root(text: str) -> ElementTree.Element:
+def _parse_xml(text: str) -> ElementTree.Element:
     """Parses XML without a document type, so without entities, and of bounded depth."""
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise refusal("not_xml", "found a document type; it is not allowed")

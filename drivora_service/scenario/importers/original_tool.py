@@ -125,7 +125,7 @@ class _Reader:
         if content.get("map_region") is not None:
             result["map_region"] = self._map_region(content["map_region"], result)
         if content.get("weather") is not None:
-            result["weather"] = self._chosen(content["weather"], _WEATHER, "weather")
+            result["weather"] = self._select(content["weather"], _WEATHER, "weather")
         if content.get("traffic_light") is not None:
             result["traffic_lights"] = self._lights(content["traffic_light"])
         if isinstance(content.get("id"), str):
@@ -137,7 +137,7 @@ class _Reader:
     def _actor(self, actor: Any, kind: str) -> Any:
         if not isinstance(actor, Mapping):
             return actor
-        result = self._chosen(actor, ("id", "model", "trigger_time", "route", "location"), kind)
+        result = self._select(actor, ("id", "model", "trigger_time", "route", "location"), kind)
         if "trigger_time" in result:
             result["start_time"] = result.pop("trigger_time")
         if kind == "ego_vehicles":
@@ -157,7 +157,7 @@ class _Reader:
         keys = (
             ("x", "y", "z", "yaw") if kind == "npc_obstacles" else ("x", "y", "z", "yaw", "speed")
         )
-        result = self._chosen(place, keys, "waypoints")
+        result = self._select(place, keys, "waypoints")
         if kind == "npc_walkers" and result.get("speed") == 0:
             del result["speed"]
             self._dropped["speed 0 of walkers' waypoints"] += 1
@@ -166,7 +166,7 @@ class _Reader:
     def _map_region(self, region: Any, scenario: Mapping[str, Any]) -> Any:
         if not isinstance(region, Mapping):
             return region
-        result = self._chosen(region, ("town",), "map_region", also=("region",))
+        result = self._select(region, ("town",), "map_region", also=("region",))
         corners = region.get("region")
         if corners is None:
             return result
@@ -195,9 +195,9 @@ class _Reader:
                 f"the traffic-light pattern {pattern!r} is not carried; the network's own "
                 "programmes run with the given times"
             )
-        return self._chosen(lights, ("green_time", "red_time", "yellow_time"), "traffic_light")
+        return self._select(lights, ("green_time", "red_time", "yellow_time"), "traffic_light")
 
-    def _chosen(
+    def _select(
         self, source: Any, keys: tuple[str, ...], where: str, also: tuple[str, ...] = ()
     ) -> Any:
         """Selects the given keys, and notes the others."""

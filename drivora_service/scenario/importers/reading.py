@@ -8,7 +8,7 @@ from drivora_service.scenario.documents import parse_document
 from drivora_service.scenario.importers.imported import ImportedScenario, short_name
 from drivora_service.scenario.importers.leaderboard import import_routes
 from drivora_service.scenario.importers.original_tool import import_original, is_original
-from drivora_service.scenario.plain_data import MAX_DOCUMENT_BYTES, decoded, plain_data
+from drivora_service.scenario.plain_data import MAX_DOCUMENT_BYTES, decode_text, plain_data
 
 
 class FileFormat(StrEnum):
@@ -30,7 +30,7 @@ def detect_format(data: str | bytes) -> FileFormat:
     Raises:
         InvalidDocument: The file is too large, not UTF-8, or neither XML nor readable JSON or YAML.
     """
-    text = decoded(data, MAX_DOCUMENT_BYTES).lstrip()
+    text = decode_text(data, MAX_DOCUMENT_BYTES).lstrip()
     if text.startswith("<"):
         return FileFormat.LEADERBOARD
     language = FileFormat.JSON if text.startswith(("{", "[")) else FileFormat.YAML

@@ -194,7 +194,7 @@ def actor_model(kind: ActorKind, name: str) -> ActorModel:
     )
 
 
-def resized(model: ActorModel, length: float | None, width: float | None) -> ActorModel:
+def resize_model(model: ActorModel, length: float | None, width: float | None) -> ActorModel:
     """Returns the model with the size replaced by the given one, metres."""
     return replace(
         model,

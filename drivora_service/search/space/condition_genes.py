@@ -54,11 +54,11 @@ def traffic_lights(block: Block, values: FloatArray, seed: TrafficLights) -> Tra
     times = replace(seed.times, green=green, offset=offset)
     return TrafficLights(
         times=times,
-        junctions={name: _filled(own, times) for name, own in seed.junctions.items()},
+        junctions={name: _fill_missing_times(own, times) for name, own in seed.junctions.items()},
     )
 
 
-def _filled(own: LightTimes, common: LightTimes) -> LightTimes:
+def _fill_missing_times(own: LightTimes, common: LightTimes) -> LightTimes:
     """Returns a junction's times; missing ones are those of all junctions."""
     return replace(
         own,

@@ -48,7 +48,7 @@ def ego_genes(options: SpaceOptions, index: int, routes: int) -> list[Gene]:
     ]
 
 
-def _placed(ego: EgoVehicle, route: EgoRoute, s: float) -> PlacedEgo:
+def _place_ego(ego: EgoVehicle, route: EgoRoute, s: float) -> PlacedEgo:
     model = actor_model(ActorKind.VEHICLE, ego.model)
     start = Start(
         pose=route.path.at(s),
@@ -67,7 +67,7 @@ class FixedEgo:
     """An ego of the seed, unchanged."""
 
     def __init__(self, ego: EgoVehicle, route: EgoRoute) -> None:
-        self._placed = _placed(ego, route, 0.0)
+        self._placed = _place_ego(ego, route, 0.0)
 
     def place(self) -> PlacedEgo:
         """Returns the ego."""
@@ -95,7 +95,7 @@ class GeneEgo:
         """Returns its appearance."""
         return self.place(values).start
 
-    def decoded(self, values: FloatArray) -> Decoded:
+    def decode_part(self, values: FloatArray) -> Decoded:
         """Returns the ego and its appearance, as ``alike`` compares them."""
         if not self.is_present(values):
             return ABSENT
@@ -109,4 +109,4 @@ class GeneEgo:
         ego = replace(
             self._like, route=route.from_start(s), start_time=float(values[self._start_time])
         )
-        return _placed(ego, route, s)
+        return _place_ego(ego, route, s)

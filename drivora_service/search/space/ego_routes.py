@@ -71,7 +71,7 @@ def routes_of_egos(
     """
     own = tuple(_seed_route(network, ego) for ego in seed.ego_vehicles)
     for ego, route in zip(seed.ego_vehicles, own, strict=True):
-        missing = _missing_place(route, options)
+        missing = _describe_missing_place(route, options)
         if missing:
             raise SearchError(
                 f"the route of ego {ego.id!r}, {route.path.length:.0f} m long, {missing}; use a "
@@ -89,7 +89,7 @@ def routes_of_egos(
     return own + others
 
 
-def _missing_place(route: EgoRoute, options: SpaceOptions) -> str:
+def _describe_missing_place(route: EgoRoute, options: SpaceOptions) -> str:
     """Returns what a route lacks; "" if nothing."""
     if options.walkers and not len(route.roadside.crossings):
         return "leads nowhere along a road that a walker can cross: use no walkers"
@@ -125,7 +125,7 @@ def _further_routes(
             Waypoint(x=point.x, y=point.y, yaw=point.yaw) for point in walk_points(network, walk)
         )
         made = _route(planned, waypoints)
-        return None if _missing_place(made, options) else made
+        return None if _describe_missing_place(made, options) else made
 
     return take_in_turns(walks, _TURNS, max(MOST_ROUTES - len(own), 1), route)
 

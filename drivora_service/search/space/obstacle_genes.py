@@ -103,7 +103,7 @@ class ObstacleDecoder:
     def _model_of(self, values: FloatArray) -> ActorModel:
         return self._models[int(values[self._model])]
 
-    def decoded(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Decoded:
+    def decode_part(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Decoded:
         """Returns the obstacle and its appearance, as ``alike`` compares them."""
         if not self.is_present(values):
             return ABSENT

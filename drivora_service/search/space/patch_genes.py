@@ -59,7 +59,7 @@ class PatchDecoder:
         s = begin + float(values[self._place]) * (ego.route.path.length - begin)
         return ego.route.path.at(s).beside(float(values[self._lateral]))
 
-    def decoded(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Decoded:
+    def decode_part(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Decoded:
         """Returns the patch, as ``alike`` compares them."""
         return (self.patch(egos, values), None) if self.is_present(values) else ABSENT
 

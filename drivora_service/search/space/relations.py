@@ -87,7 +87,7 @@ class RouteSurroundings:
 
     def relation(self, walk: LaneWalk) -> Relation | None:
         """Returns the relation of a walk to the route; ``None`` if it does not come near."""
-        gap, cosine, along = self._seen_from(walk)
+        gap, cosine, along = self._measure_walk(walk)
         same_way, own_length = cosine > _ALONG, _LEAST_COMMON / _SPACING
         own = (gap < _ON_ROUTE) & same_way
         if np.count_nonzero(own) >= own_length:
@@ -103,7 +103,7 @@ class RouteSurroundings:
             return Relation.BESIDE
         return None
 
-    def _seen_from(self, walk: LaneWalk) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _measure_walk(self, walk: LaneWalk) -> tuple[FloatArray, FloatArray, FloatArray]:
         gaps, cosines, alongs = [], [], []
         for position, lane in enumerate(walk.lanes):
             view = self._view(lane)

@@ -29,7 +29,7 @@ from drivora_service.search.space.patch_genes import PatchDecoder, patch_genes
 from drivora_service.search.space.repair import Mover, other_choices, settle
 from drivora_service.search.space.seed_actors import ActorNames, seed_starts
 from drivora_service.search.space.space_options import SpaceOptions, VehicleStarts
-from drivora_service.search.space.vehicles.fixed_starts import fixed_starts
+from drivora_service.search.space.vehicles.fixed_starts import choose_fixed_starts
 from drivora_service.search.space.vehicles.npc_paths import NpcPath, find_npc_paths
 from drivora_service.search.space.vehicles.vehicle_decoding import VehicleDecoder
 from drivora_service.search.space.vehicles.vehicle_genes import vehicle_genes
@@ -115,14 +115,14 @@ class ScenarioSpace:
         ]
         for mover in self._ego_and_vehicle_movers(repaired):
             settle(repaired, mover, taken)
-        egos = self._placed_egos(repaired)
+        egos = self._place_egos(repaired)
         for mover in self._roadside_movers(repaired, egos):
             settle(repaired, mover, taken)
         return repaired
 
     def scenario(self, values: FloatArray) -> Scenario:
         """Returns the scenario that values (d,) within the bounds encode."""
-        egos = self._placed_egos(values)
+        egos = self._place_egos(values)
         seed = self.seed
         return replace(
             seed,
@@ -156,12 +156,12 @@ class ScenarioSpace:
 
     def _parts(self, base: FloatArray) -> tuple[tuple[Block, Decode], ...]:
         """Returns the blocks, with what decodes them beside the egos of a candidate."""
-        egos = self._placed_egos(base)
-        parts: list[tuple[Block, Decode]] = [(one.block, one.decoded) for one in self._egos]
-        parts += [(one.block, one.decoded) for one in self._vehicles]
-        parts += [(one.block, partial(one.decoded, egos)) for one in self._walkers]
-        parts += [(one.block, partial(one.decoded, egos)) for one in self._obstacles]
-        parts += [(one.block, partial(one.decoded, egos)) for one in self._patches]
+        egos = self._place_egos(base)
+        parts: list[tuple[Block, Decode]] = [(one.block, one.decode_part) for one in self._egos]
+        parts += [(one.block, one.decode_part) for one in self._vehicles]
+        parts += [(one.block, partial(one.decode_part, egos)) for one in self._walkers]
+        parts += [(one.block, partial(one.decode_part, egos)) for one in self._obstacles]
+        parts += [(one.block, partial(one.decode_part, egos)) for one in self._patches]
         seed = self.seed
         if (of_weather := self._weather) is not None:
             parts.append((of_weather, lambda v: (weather(of_weather, v, seed.weather), None)))
@@ -183,7 +183,7 @@ class ScenarioSpace:
         Returns:
             Metres to the nearest ego; ``None`` for egos, weather and lights.
         """
-        egos = self._placed_egos(values)
+        egos = self._place_egos(values)
         pose = self._pose_of(block, egos, values)
         if pose is None:
             return None
@@ -216,30 +216,30 @@ class ScenarioSpace:
         for i in range(self.options.egos):
             name = f"ego_{i}"
             genes = ego_genes(self.options, i, len(self.routes))
-            like = own[i] if i < len(own) else replace(own[0], id=self._names.free(name))
+            like = own[i] if i < len(own) else replace(own[0], id=self._names.take_name(name))
             block = self._layout.add(name, Part.EGO, genes, like.id)
             egos.append(GeneEgo(block, like, self.routes))
         return (), tuple(egos)
 
     def _make_vehicles(self) -> tuple[VehicleDecoder, ...]:
         made = []
-        fixed = self._fixed_starts()
+        fixed = self._make_fixed_starts()
         for i in range(self.options.vehicles):
             name = f"vehicle_{i}"
             genes = vehicle_genes(self.options, (fixed[i].path,) if fixed else self.paths)
-            block = self._layout.add(name, Part.VEHICLE, genes, self._names.free(name))
+            block = self._layout.add(name, Part.VEHICLE, genes, self._names.take_name(name))
             place = fixed[i] if fixed else GenePlaces(block, self.paths)
             made.append(VehicleDecoder(block, block.actor, place, self.options))
         return tuple(made)
 
-    def _fixed_starts(self) -> tuple[VehiclePlace, ...]:
+    def _make_fixed_starts(self) -> tuple[VehiclePlace, ...]:
         """Returns the starts of NPC vehicles, if they do not vary."""
         options = self.options
         if options.starts is VehicleStarts.FREE or not options.vehicles:
             return ()
         ego, *others = (ego.place().start for ego in self._fixed_egos)
         limit = max(float(one.path.route.speed_limits.max()) for one in self.paths)
-        return fixed_starts(
+        return choose_fixed_starts(
             self.paths,
             ego,
             [*others, *self._seed_starts],
@@ -252,7 +252,7 @@ class ScenarioSpace:
         for i in range(self.options.walkers):
             name = f"walker_{i}"
             genes = walker_genes(self.options, self._ego_count)
-            block = self._layout.add(name, Part.WALKER, genes, self._names.free(name))
+            block = self._layout.add(name, Part.WALKER, genes, self._names.take_name(name))
             made.append(WalkerDecoder(block, block.actor))
         return tuple(made)
 
@@ -261,7 +261,7 @@ class ScenarioSpace:
         for i in range(self.options.obstacles):
             name = f"obstacle_{i}"
             genes = obstacle_genes(self.options, self._ego_count)
-            block = self._layout.add(name, Part.OBSTACLE, genes, self._names.free(name))
+            block = self._layout.add(name, Part.OBSTACLE, genes, self._names.take_name(name))
             made.append(ObstacleDecoder(block, block.actor))
         return tuple(made)
 
@@ -270,7 +270,7 @@ class ScenarioSpace:
         for i in range(self.options.patches):
             name = f"patch_{i}"
             genes = patch_genes(self.options, self._ego_count)
-            block = self._layout.add(name, Part.PATCH, genes, self._names.free(name))
+            block = self._layout.add(name, Part.PATCH, genes, self._names.take_name(name))
             made.append(PatchDecoder(block, block.actor))
         return tuple(made)
 
@@ -278,7 +278,7 @@ class ScenarioSpace:
     def _ego_count(self) -> int:
         return len(self._fixed_egos) + len(self._egos)
 
-    def _placed_egos(self, values: FloatArray) -> tuple[PlacedEgo, ...]:
+    def _place_egos(self, values: FloatArray) -> tuple[PlacedEgo, ...]:
         own = tuple(ego.place() for ego in self._fixed_egos)
         return own + tuple(ego.place(values) for ego in self._egos if ego.is_present(values))
 

@@ -53,7 +53,7 @@ class ActorNames:
             for actor in actors
         }
 
-    def free(self, name: str) -> str:
+    def take_name(self, name: str) -> str:
         """Takes and returns ``name`` or, if it is taken, ``name.1``, ``name.2`` and so on."""
         found, number = name, 0
         while found in self._used:

@@ -49,7 +49,7 @@ class ScenarioCandidates:
         """
         self.space, self._networks, self._agents = space, networks, agents
         self._motions = motions
-        self._check_route = remembering_routes(space.seed)
+        self._check_route = make_cached_route_check(space.seed)
 
     @property
     def genes(self) -> GeneSpace:
@@ -86,7 +86,7 @@ class ScenarioCandidates:
         )
 
 
-def remembering_routes(seed: Scenario) -> RouteCheck:
+def make_cached_route_check(seed: Scenario) -> RouteCheck:
     """Returns a check of routes that caches the results for those of a seed scenario.
 
     They are in every candidate. Routes from genes are hardly ever repeated.

@@ -85,7 +85,7 @@ class WalkerDecoder:
             start_time=float(values[self._start_time]),
         )
 
-    def decoded(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Decoded:
+    def decode_part(self, egos: Sequence[PlacedEgo], values: FloatArray) -> Decoded:
         """Returns the walker and its appearance, as ``alike`` compares them."""
         if not self.is_present(values):
             return ABSENT

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
-from drivora_service.geometry.kernels import wrapped
+from drivora_service.geometry.kernels import wrap_to_pi
 from drivora_service.observations.ground import friction_at
 from drivora_service.simulation.followers.follower_gaps import gap_ahead, order_actors
 from drivora_service.simulation.followers.follower_path import PathCol
@@ -222,7 +222,7 @@ def _write_pose(me: FloatArray, way: FloatArray, state: FloatArray) -> None:
         state[0] = way[i, _X] + t * (way[i + 1, _X] - way[i, _X])
         state[1] = way[i, _Y] + t * (way[i + 1, _Y] - way[i, _Y])
         heading = way[i, _YAW] + t * (way[i + 1, _YAW] - way[i, _YAW])
-    state[2] = wrapped(heading)
+    state[2] = wrap_to_pi(heading)
     state[3] = me[_SPEED] * math.cos(heading)
     state[4] = me[_SPEED] * math.sin(heading)
     state[8] = way[i, _HEIGHT]

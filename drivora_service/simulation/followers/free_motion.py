@@ -28,7 +28,7 @@ from drivora_service.simulation.plans.planning_npcs import plan_npc, plan_walker
 from drivora_service.simulation.plans.planning_places import plan_obstacle, plan_patch
 
 
-def planned_motions(
+def plan_motions(
     scenario: Scenario, network: RoadNetwork, until: float
 ) -> tuple[PlannedMotion, ...]:
     """Returns the planned motion of NPC vehicles, walkers and obstacles, in this order.
@@ -51,8 +51,8 @@ def planned_motions(
     actors: Sequence[Joining] = (*vehicles, *scenario.npc_walkers)
     plans = [_plan(one, network, scenario.step_length, frictions, patches) for one in actors]
     times = scenario.step_length * np.arange(count, dtype=np.float64)
-    laid = patch_array([patch.recorded() for patch in patches])
-    states, present = _advanced(plans, scenario.step_length, frictions, laid)
+    laid = patch_array([patch.to_record() for patch in patches])
+    states, present = _simulate_followers(plans, scenario.step_length, frictions, laid)
     moving = tuple(
         PlannedMotion(
             id=plan.id,
@@ -98,7 +98,7 @@ def _plan(
     return replace(plan, start_time=max(plan.start_time, first * step_length))
 
 
-def _advanced(
+def _simulate_followers(
     plans: list[FollowerPlan], step: float, frictions: Sequence[float], patches: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
     """Returns (n, F, 9) states and (n, F) presence of followers that react to nothing.

@@ -15,7 +15,7 @@ import numpy as np
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, ByteArray, FloatArray, IntArray
-from drivora_service.geometry.kernels import wrapped
+from drivora_service.geometry.kernels import wrap_to_pi
 from drivora_service.simulation.followers.followers import advance_followers
 from drivora_service.simulation.motion.contacts import find_contacts
 from drivora_service.simulation.motion.route_tracking import follow_egos
@@ -239,7 +239,7 @@ def _write_rates(
             continue
         next_frame[j, 5] = (next_frame[j, 3] - frame[j, 3]) / dt
         next_frame[j, 6] = (next_frame[j, 4] - frame[j, 4]) / dt
-        turn = wrapped(next_frame[j, 2] - frame[j, 2])
+        turn = wrap_to_pi(next_frame[j, 2] - frame[j, 2])
         next_frame[j, 7] = turn / dt
 
 

@@ -29,7 +29,7 @@ from enum import IntEnum
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
-from drivora_service.geometry.kernels import wrapped
+from drivora_service.geometry.kernels import wrap_to_pi
 from drivora_service.observations.ground import axle_frictions
 
 GRAVITY = 9.81
@@ -127,7 +127,7 @@ def _drive_kinematic(
     course = body[2] + slip + drift + 0.5 * (yaw_rate + slip_rate) * dt
     body[0] += way * math.cos(course)
     body[1] += way * math.sin(course)
-    body[2] = wrapped(body[2] + yaw_rate * dt)
+    body[2] = wrap_to_pi(body[2] + yaw_rate * dt)
     body[9] = _drift(body, grip, wind)
     slip += slip_rate * dt + body[9]
     body[3] = v_next * math.cos(slip)
@@ -172,7 +172,7 @@ def _drive_dynamic(
     body[3] = min(vx + vx_rate * dt, limits[4])
     body[4] = vy + vy_rate * dt
     body[5] = r + r_rate * dt
-    body[2] = wrapped(body[2] + body[5] * dt)
+    body[2] = wrap_to_pi(body[2] + body[5] * dt)
     cos, sin = math.cos(body[2]), math.sin(body[2])
     body[0] += (body[3] * cos - body[4] * sin) * dt
     body[1] += (body[3] * sin + body[4] * cos) * dt
@@ -215,7 +215,7 @@ def _drive_to_pose(
     scale = speed / wanted if wanted > speed else 1.0
     room = SLIDE_SLOPE * speed * dt
     side = min(max(side * scale, -room), room)
-    turn = 0.0 if math.isnan(command[2]) else wrapped(command[2] - body[2])
+    turn = 0.0 if math.isnan(command[2]) else wrap_to_pi(command[2] - body[2])
     # Grip used for braking and driving is not available for turning.
     taken = min(abs(speed - body[3]) / dt, grip)
     side_grip = max(math.sqrt(grip * grip - taken * taken), _SIDE_RESERVE * grip)
@@ -226,7 +226,7 @@ def _drive_to_pose(
     cos, sin = math.cos(body[2]), math.sin(body[2])
     body[0] += speed * dt * cos - side * sin
     body[1] += speed * dt * sin + side * cos
-    body[2] = wrapped(body[2] + turn)
+    body[2] = wrap_to_pi(body[2] + turn)
     if not math.isnan(command[3]):
         # The planner's own speed at the pose, within what this step could reach.
         speed = min(max(command[3], low, 0.0), max(high, 0.0))

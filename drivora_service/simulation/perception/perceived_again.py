@@ -58,7 +58,7 @@ def perceive_again(scenario: Scenario, ego: EgoView) -> Perceived:
     """
     trace, network = ego.trace, ego.network
     plan = _plan_of(scenario, trace, network)
-    known, joined = actor_heights(plan), _joined(plan.scenario, trace)
+    known, joined = actor_heights(plan), _find_joined_models(plan.scenario, trace)
     heights = np.array((*known, *(model.height for _, model in joined)))
     join_steps = [step for step, _ in joined]
     count = len(trace.actors)
@@ -100,7 +100,7 @@ def _plan_of(scenario: Scenario, trace: Trace, network: RoadNetwork) -> EpisodeP
     """Returns the plan of a recorded run, with the seed that the run had."""
     seed = int(trace.meta.get("seed", scenario.seed))
     plan = plan_episode(replace(scenario, seed=seed), network)
-    count = len(actor_heights(plan)) + len(_joined(plan.scenario, trace))
+    count = len(actor_heights(plan)) + len(_find_joined_models(plan.scenario, trace))
     egos = [ego.ego.id for ego in plan.egos]
     if count != len(trace.actors) or egos != [a.id for a in trace.actors[: len(egos)]]:
         raise Conflict(
@@ -110,7 +110,7 @@ def _plan_of(scenario: Scenario, trace: Trace, network: RoadNetwork) -> EpisodeP
     return plan
 
 
-def _joined(scenario: Scenario, trace: Trace) -> list[tuple[int, ActorModel]]:
+def _find_joined_models(scenario: Scenario, trace: Trace) -> list[tuple[int, ActorModel]]:
     """Returns the steps in which actors joined a run, with their models, in order of the rows."""
     return [
         (

@@ -112,7 +112,7 @@ class PatchPlan:
     width: float
     friction: float
 
-    def recorded(self) -> dict[str, str | float]:
+    def to_record(self) -> dict[str, str | float]:
         """Returns it as traces record it."""
         return asdict(self)
 
@@ -142,4 +142,4 @@ class EpisodePlan:
     @property
     def patch_array(self) -> FloatArray:
         """(P, 8) ``patches``, columns ``ground.PatchCol``."""
-        return patch_array([patch.recorded() for patch in self.patches])
+        return patch_array([patch.to_record() for patch in self.patches])

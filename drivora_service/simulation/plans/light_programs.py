@@ -172,14 +172,14 @@ def run_programs(
     return tuple(
         run_program(
             program,
-            _merged(lights.times, lights.junctions.get(light_id)),
+            _merge_times(lights.times, lights.junctions.get(light_id)),
             step_length=step_length,
         )
         for light_id, program in sorted(programs.items())
     )
 
 
-def _merged(common: LightTimes, own: LightTimes | None) -> LightTimes:
+def _merge_times(common: LightTimes, own: LightTimes | None) -> LightTimes:
     if own is None:
         return common
     return LightTimes(

@@ -191,7 +191,7 @@ def _on_patches(
 ) -> FollowerPath:
     """Lowers the speeds of a path to those for which patches leave enough grip."""
     poses = np.column_stack((path.line, path.yaw))
-    laid = patch_array([patch.recorded() for patch in patches])
+    laid = patch_array([patch.to_record() for patch in patches])
     frictions = frictions_along(poses, path.height, 0.0, friction, laid)
     if not (frictions < friction).any():
         return path

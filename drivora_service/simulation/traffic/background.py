@@ -43,7 +43,7 @@ class Wanderers:
         total = np.array([lane.length for lane in lanes])
         self._weights = total / total.sum() if lanes else total
 
-    def route_from(self, edge: str) -> list[str]:
+    def draw_route(self, edge: str) -> list[str]:
         """Draws a random walk that begins with ``edge``; shorter at a dead end."""
         route = [edge]
         while len(route) < _ROUTE_EDGES:
@@ -56,7 +56,7 @@ class Wanderers:
             route.append(onward[int(self._rng.integers(len(onward)))])
         return route
 
-    def entry(self, taken: FloatArray) -> tuple[Lane, float] | None:
+    def draw_entry(self, taken: FloatArray) -> tuple[Lane, float] | None:
         """Draws a place for a vehicle, away from occupied places.
 
         Args:

@@ -71,11 +71,11 @@ class BackgroundVehicles:
             return
         self._tended = True
         by_row = {actor.row: actor for actor in driven}
-        known = sumo.known()
+        known = sumo.known_ids()
         taken = np.concatenate((self._clear, frame[present, :2]))
         for row, vehicle in self._rows:
             if row not in by_row:
-                place = self._wanderers.entry(taken)
+                place = self._wanderers.draw_entry(taken)
                 if place is None:
                     continue
                 lane, s = place
@@ -85,7 +85,7 @@ class BackgroundVehicles:
                     sumo.add_driven(
                         row,
                         vehicle,
-                        self._wanderers.route_from(lane.edge_id),
+                        self._wanderers.draw_route(lane.edge_id),
                         driver=self._driver,
                         length=LENGTH,
                         width=WIDTH,
@@ -96,7 +96,7 @@ class BackgroundVehicles:
                 )
             elif vehicle not in known:
                 driven.remove(by_row[row])
-            elif sumo.remaining_edges(vehicle) < _EDGES_LEFT:
-                more = self._wanderers.route_from(sumo.last_edge(vehicle))[1:]
+            elif sumo.count_remaining_edges(vehicle) < _EDGES_LEFT:
+                more = self._wanderers.draw_route(sumo.last_edge(vehicle))[1:]
                 if more:
                     sumo.extend_route(vehicle, more)

@@ -15,7 +15,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from drivora_service.agents.sumo_driver import SumoDriver
-from drivora_service.compilation import settled
+from drivora_service.compilation import specialize
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.simulation.motion.vehicle_dynamics import GRAVITY
@@ -135,7 +135,7 @@ class Holding:
         )  # fmt: skip
         if self._kernel is hold:
             # Later calls have arguments of the same types.
-            self._kernel = settled(hold)
+            self._kernel = specialize(hold)
         return int(count)
 
     def answer(self, row: int, lane: str) -> None:

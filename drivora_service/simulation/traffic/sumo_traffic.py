@@ -214,7 +214,7 @@ class Traffic:
         if self._holding is not None and self.driven and step:
             self._hold(self._holding, step)
         frame, present = self._world.states[step], self._world.present[step]
-        self._tell(changes, frame, present)
+        self._send_to_sumo(changes, frame, present)
         if time + 1e-9 >= self._next_start:
             self._start_driven(time)
         if self._background is not None and self._background.is_due(time):
@@ -245,7 +245,7 @@ class Traffic:
             self._open()
         world = self._world
         for k in range(self._reached + 1, last + 1):
-            self._tell(self._write_placements(k), world.states[k], world.present[k])
+            self._send_to_sumo(self._write_placements(k), world.states[k], world.present[k])
             self._sumo.step()
             self._reached = k
             while self._wrecks and self._wrecks[0][0] <= k:
@@ -281,7 +281,7 @@ class Traffic:
             self.is_moved, self.known, self.placements,
         )  # fmt: skip
 
-    def _tell(self, changes: int, frame: FloatArray, present: BoolArray) -> None:
+    def _send_to_sumo(self, changes: int, frame: FloatArray, present: BoolArray) -> None:
         """Has moved rows enter, leave, and be at their places in SUMO's next step."""
         if changes:
             self._enter_and_leave(present)
@@ -351,7 +351,7 @@ class Traffic:
     def _forget_gone(self, present: BoolArray) -> None:
         """Forgets NPCs that have left SUMO at their destinations."""
         absent = [a for a in self.driven if a.row in self._npcs and not present[a.row]]
-        known = self._sumo.known() if absent else frozenset()
+        known = self._sumo.known_ids() if absent else frozenset()
         for actor in absent:
             if actor.id not in known:
                 self.driven.remove(actor)

@@ -101,7 +101,9 @@ class CampaignRunRepository:
             row.document_sha256, row.candidate = run.scenario_sha256, candidate
             self._queue_again(row)
 
-    def ended(self, run_ids: Sequence[str]) -> tuple[tuple[RunReport, Candidate | None], ...]:
+    def read_reports(
+        self, run_ids: Sequence[str]
+    ) -> tuple[tuple[RunReport, Candidate | None], ...]:
         """Returns the reports of the runs that have ended, with what their genes decode to."""
         found: list[tuple[RunReport, Candidate | None]] = []
         for chunk in batched(run_ids):

@@ -16,7 +16,7 @@ from drivora_service.shapes import adapter
 from drivora_service.store.campaigns.campaign_tables import CampaignRow, EvaluationRow
 from drivora_service.store.campaigns.evaluation_writing import town_of_seed
 from drivora_service.store.queue.endings import end_values
-from drivora_service.store.runs.facets import counted_facet
+from drivora_service.store.runs.facets import make_facet_with_key
 from drivora_service.store.runs.result_conditions import campaign_columns, is_named, seeds_of
 from drivora_service.store.runs.result_records import EvaluationPlace, ResultFilter, StoredResult
 from drivora_service.store.runs.run_records import JobFilter
@@ -73,7 +73,7 @@ def evaluation_results(
             towns[place] = town_of_seed(campaign, row.seed_number)
         short = _without_details(report)
         values = {
-            **_ended(short, row.told_at),
+            **_make_run_columns(short, row.told_at),
             **campaign_columns(campaign, row.number),
             "run_id": f"{campaign.id}-{row.number}",
             "source": "evaluation",
@@ -130,7 +130,7 @@ def _without_details(report: Mapping[str, Any]) -> RunReport:
     return short
 
 
-def _ended(report: RunReport, told_at: datetime) -> dict[str, Any]:
+def _make_run_columns(report: RunReport, told_at: datetime) -> dict[str, Any]:
     """Returns the columns of a run that its report determines."""
     values = end_values(report, keeps_trace=False, ended=told_at)
     del values["trace_sha256"]
@@ -145,7 +145,7 @@ def _ended(report: RunReport, told_at: datetime) -> dict[str, Any]:
 
 def _passes(values: Mapping[str, Any], report: RunReport, wanted: JobFilter) -> bool:
     names = ("agent", "town", "status", "violations", "accountability")
-    facet, _ = counted_facet(**{name: values[name] for name in names})
+    facet, _ = make_facet_with_key(**{name: values[name] for name in names})
     if not facet_passes(facet, wanted):
         return False
     return not wanted.oracle or any(

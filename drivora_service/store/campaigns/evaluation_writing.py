@@ -25,7 +25,7 @@ from drivora_service.store.campaigns.campaign_tables import CampaignRow, Evaluat
 from drivora_service.store.campaigns.kind_counters import NewFailure, count_failures
 from drivora_service.store.engine.stored_documents import store_documents
 from drivora_service.store.failures.failure_writing import (
-    found_in_campaign,
+    make_found_rows_of_campaign,
     write_found_in_campaign,
 )
 
@@ -70,7 +70,7 @@ def append_evaluations(
         if seed not in towns:
             towns[seed] = town_of_seed(campaign, seed)
         failures += _failures(campaign.seq, record)
-        found += found_in_campaign(
+        found += make_found_rows_of_campaign(
             record.violations,
             campaign_seq=campaign.seq,
             number=record.number,

@@ -71,8 +71,8 @@ def campaign_findings(session: Session, campaign_id: str) -> CampaignFindings:
     rows = session.execute(query).all()
     kept = [row for row in rows if row[4] != Confirmation.FLAKY]
     evaluation = np.array([row[0] for row in kept], dtype=np.int64)
-    oracles, oracle = _numbered([row[1] for row in kept])
-    kinds, kind = _numbered([row[2] for row in kept])
+    oracles, oracle = _number_names([row[1] for row in kept])
+    kinds, kind = _number_names([row[2] for row in kept])
     invalid = np.sort(
         np.array(
             session.scalars(
@@ -99,7 +99,7 @@ def campaign_findings(session: Session, campaign_id: str) -> CampaignFindings:
     )
 
 
-def _numbered(names: Sequence[str]) -> tuple[tuple[str, ...], NDArray[np.int64]]:
+def _number_names(names: Sequence[str]) -> tuple[tuple[str, ...], NDArray[np.int64]]:
     """Returns the different names in their order, and the place of each name among them."""
     places = {name: place for place, name in enumerate(dict.fromkeys(names))}
     return tuple(places), np.array([places[name] for name in names], dtype=np.int64)

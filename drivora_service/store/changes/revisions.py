@@ -129,7 +129,7 @@ def revise_batches(session: Session, batch_seqs: Iterable[int], first: int) -> N
     execute_many(session.connection(), _revise_batch(), rows)
 
 
-def campaign_has_changed(session: Session, campaign_seq: int) -> None:
+def revise_campaign(session: Session, campaign_seq: int) -> None:
     """Sets the revision of a campaign with the next flush, for statements that no flush sees."""
     flag_modified(session.get_one(CampaignRow, campaign_seq), "revision")
 
@@ -139,14 +139,14 @@ def revise(session: Session, *_: object) -> None:
     changed: dict[Revised, None] = {}
     for row in (*session.new, *session.dirty):
         if isinstance(row, Revised | FailureRow | FailureKindRow) and session.is_modified(row):
-            for shown in _shown_with(session, row):
+            for shown in _find_affected(session, row):
                 changed[shown] = None
     if changed:
         for revision, shown in enumerate(changed, next_revisions(session, len(changed))):
             shown.revision = revision
 
 
-def _shown_with(
+def _find_affected(
     session: Session, row: Revised | FailureRow | FailureKindRow
 ) -> tuple[Revised, ...]:
     """Returns what is shown differently because a row changes."""
@@ -154,7 +154,7 @@ def _shown_with(
         case RunRow():
             return row, session.get_one(BatchRow, row.batch_seq)
         case FailureRow() | FailureKindRow():
-            return _shown_with(session, session.get_one(CampaignRow, row.campaign_seq))
+            return _find_affected(session, session.get_one(CampaignRow, row.campaign_seq))
         case CampaignRow(study_id=study_id) if study_id:
             study = session.scalar(select(StudyRow).where(StudyRow.id == study_id))
             return (row,) if study is None else (row, study)

@@ -55,10 +55,10 @@ def first_numbers(
             union: CompoundSelect[int, int] = union_all(*parts)
             yield from ((index, number) for index, number in session.execute(union))
 
-    return merged(fetch, branches=len(branches), limit=limit, descending=descending)
+    return merge_branches(fetch, branches=len(branches), limit=limit, descending=descending)
 
 
-def merged(
+def merge_branches(
     fetch: Callable[[int], Iterable[tuple[_B, int]]],
     *,
     branches: int,

@@ -25,11 +25,11 @@ def store_documents(session: Session, documents: Mapping[str, str]) -> None:
     if documents:
         connection = session.connection()
         connection.execute(
-            _adding(connection.dialect.name),
+            _make_insert(connection.dialect.name),
             [{"sha256": sha256, "body": body} for sha256, body in documents.items()],
         )
 
 
 @cache
-def _adding(dialect: str) -> Any:
+def _make_insert(dialect: str) -> Any:
     return insert_class(dialect)(_DOCUMENTS).on_conflict_do_nothing(index_elements=["sha256"])

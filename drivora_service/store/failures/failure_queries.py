@@ -84,7 +84,7 @@ def failures_of(session: Session, seqs: Sequence[int]) -> dict[int, FoundFailure
     return {row.seq: _failure(row) for row in rows}
 
 
-def recorded_of(session: Session, seqs: Iterable[int | None]) -> set[int]:
+def find_recorded(session: Session, seqs: Iterable[int | None]) -> set[int]:
     """Returns those of the failures that have a recording."""
     known = {seq for seq in seqs if seq is not None}
     query = (

@@ -35,7 +35,7 @@ _BATCHES = cast("Table", BatchRow.__table__)
 _CAMPAIGNS = cast("Table", CampaignRow.__table__)
 
 
-def found_in_run(
+def make_found_rows_of_run(
     notable: Iterable[NotableVerdict],
     *,
     run_seq: int,
@@ -76,7 +76,7 @@ def write_found_in_runs(session: Session, rows: Sequence[Row]) -> None:
     _insert(session, [row for row in rows if row["batch_seq"] not in of_campaigns])
 
 
-def found_in_campaign(
+def make_found_rows_of_campaign(
     violations: Iterable[Verdict],
     *,
     campaign_seq: int,
@@ -126,7 +126,7 @@ def forget_found(session: Session, run_seq: int) -> None:
 
 
 def _insert(session: Session, rows: Sequence[Row]) -> None:
-    execute_many(session.connection(), _found(), rows)
+    execute_many(session.connection(), _make_insert(), rows)
 
 
 @cache
@@ -142,5 +142,5 @@ def _of_campaigns() -> Select[int]:
 
 
 @cache
-def _found() -> Insert:
+def _make_insert() -> Insert:
     return insert(FOUND)

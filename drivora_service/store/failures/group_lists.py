@@ -19,7 +19,7 @@ from drivora_service.oracles.verdicts.accountability import Accountability
 from drivora_service.shapes import combine
 from drivora_service.store.campaigns.campaign_records import Confirmation
 from drivora_service.store.engine.paging import make_token, read_token
-from drivora_service.store.failures.failure_queries import conditions_of, failures_of, recorded_of
+from drivora_service.store.failures.failure_queries import conditions_of, failures_of, find_recorded
 from drivora_service.store.failures.failure_records import FoundFilter
 from drivora_service.store.failures.failure_tables import FoundRow
 from drivora_service.store.failures.group_baselines import baseline_of
@@ -91,8 +91,8 @@ class GroupRepository:
         scope = f"failure groups {wanted}"
         before = read_token(scope, page_token) if page_token else None
         conditions, baseline = self._conditions(wanted)
-        now, then = self._counted(conditions), self._counted(baseline)
-        decided = self._decided({*now, *then})
+        now, then = self._count_by_group(conditions), self._count_by_group(baseline)
+        decided = self._read_decisions({*now, *then})
         listed = [
             (key, counted)
             for key, counted in {**then, **now}.items()
@@ -148,7 +148,7 @@ class GroupRepository:
             if find_membership(self._session, wanted) is None:
                 raise UnknownName("group of failures", wanted, ())
             return ()
-        merged = [row.seq, *self._merged(row.seq)]
+        merged = [row.seq, *self._find_merged(row.seq)]
         rows = self._session.scalars(
             select(FailureGroupChangeRow)
             .where(FailureGroupChangeRow.group_seq.in_(merged))
@@ -165,10 +165,10 @@ class GroupRepository:
             for one in rows
         )
 
-    def _merged(self, seq: int) -> list[int]:
+    def _find_merged(self, seq: int) -> list[int]:
         query = select(FailureGroupRow.seq).where(FailureGroupRow.into_seq == seq)
         own = list(self._session.scalars(query))
-        return own + [further for one in own for further in self._merged(one)]
+        return own + [further for one in own for further in self._find_merged(one)]
 
     def _conditions(self, wanted: GroupFilter) -> tuple[_Conditions | None, _Conditions | None]:
         """Returns the conditions of the failures and of the baseline; ``None``: none passes."""
@@ -182,7 +182,7 @@ class GroupRepository:
             conditions = [*conditions, ~is_in_baseline]
         return conditions, baseline
 
-    def _counted(self, conditions: _Conditions | None) -> dict[_Key, _Counted]:
+    def _count_by_group(self, conditions: _Conditions | None) -> dict[_Key, _Counted]:
         """Counts the failures that fulfil conditions by group."""
         if conditions is None:
             return {}
@@ -211,7 +211,7 @@ class GroupRepository:
         owners = owners_of_names(self._session)
         return Membership(seq=key, names=tuple(name for name, seq in owners.items() if seq == key))
 
-    def _decided(self, keys: Iterable[_Key]) -> dict[_Key, GroupDecision]:
+    def _read_decisions(self, keys: Iterable[_Key]) -> dict[_Key, GroupDecision]:
         """Returns what was decided about groups."""
         wanted = list(keys)
         seqs = [key for key in wanted if isinstance(key, int)]
@@ -227,14 +227,14 @@ class GroupRepository:
     ) -> dict[_Key, int]:
         """Returns the ``seq`` of the example of each group."""
         found = {key: counted.usual_example for key, counted in groups}
-        recorded = recorded_of(self._session, found.values())
+        recorded = find_recorded(self._session, found.values())
         for key, seq in found.items():
             if seq in recorded or conditions is None:
                 continue
             # A second look at this group only: most have a recording.
             query = _kept_query().where(*conditions, self._membership(key).condition())
             others = list(self._session.execute(query).one())
-            kept = recorded_of(self._session, others)
+            kept = find_recorded(self._session, others)
             found[key] = next((other for other in others if other in kept), seq)
         return found
 

@@ -51,7 +51,7 @@ class FileLock:
             on_acquired=_write_process_id,
         )
         try:
-            with _locking(path):
+            with _convert_lock_errors(path):
                 self._lock.acquire()
         except Timeout:
             raise Conflict(refusal(holder_of(path))) from None
@@ -78,7 +78,7 @@ def is_locked(path: Path) -> bool:
     file = os.open(path, os.O_RDONLY)
     try:
         # Shared, so that several processes may check; meanwhile the lock cannot be taken.
-        with _locking(path):
+        with _convert_lock_errors(path):
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
         return True
@@ -88,7 +88,7 @@ def is_locked(path: Path) -> bool:
 
 
 @contextmanager
-def _locking(path: Path) -> Iterator[None]:
+def _convert_lock_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:

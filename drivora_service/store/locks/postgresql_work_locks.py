@@ -42,7 +42,7 @@ class PostgresqlWorkLocks:
         with self._using:
             if work in self._held:
                 raise Conflict(refusal(work, f"process {os.getpid()}"))
-            with self._connected() as connection:
+            with self._use_connection() as connection:
                 if not connection.scalar(_TRY, _key(work)):
                     holder = connection.scalar(_HOLDER, _key(work)) or "another process"
                     raise Conflict(refusal(work, holder))
@@ -73,7 +73,7 @@ class PostgresqlWorkLocks:
         """
         with self._using:
             if self._held:
-                with self._connected() as connection:
+                with self._use_connection() as connection:
                     self._take_lost(connection)
 
     def close(self) -> None:
@@ -96,7 +96,7 @@ class PostgresqlWorkLocks:
                 self._disconnect()
 
     @contextlib.contextmanager
-    def _connected(self) -> Iterator[Connection]:
+    def _use_connection(self) -> Iterator[Connection]:
         with store_errors():
             connection = self._live_connection()
             try:

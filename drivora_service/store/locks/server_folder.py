@@ -44,7 +44,9 @@ class ServerFolder:
         Raises:
             Conflict: Another process serves the data folder, and it is not shared.
         """
-        self.path, self._lock = _shared(data_dir) if is_shared else (data_dir, ServerLock(data_dir))
+        self.path, self._lock = (
+            _lock_folder(data_dir) if is_shared else (data_dir, ServerLock(data_dir))
+        )
         self.logs = self.path / _LOGS
         if is_shared:
             _remove_unused(self.path.parent.iterdir())
@@ -56,7 +58,7 @@ class ServerFolder:
         self._lock.release()
 
 
-def _shared(data_dir: Path) -> tuple[Path, ServerLock]:
+def _lock_folder(data_dir: Path) -> tuple[Path, ServerLock]:
     """Returns a folder that no other server has, locked."""
     host = re.sub(r"[^A-Za-z0-9.-]", "-", socket.gethostname()) or "host"
     number = 1

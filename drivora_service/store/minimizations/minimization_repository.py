@@ -151,7 +151,7 @@ class MinimizationRepository:
         )
         return map(report_from_json, bodies)
 
-    def unfinished(self, minimization_id: str) -> tuple[str, ...]:
+    def unfinished_runs(self, minimization_id: str) -> tuple[str, ...]:
         """Returns the ids of its runs that are queued or running."""
         ids = self._session.scalars(
             select(RunRow.id)

@@ -16,7 +16,7 @@ from drivora_service.runs.report_encoding import report_to_json
 from drivora_service.runs.run_report import RunReport, RunStatus
 from drivora_service.store.failures.failure_writing import (
     forget_found,
-    found_in_run,
+    make_found_rows_of_run,
     write_found_in_runs,
 )
 from drivora_service.store.queue.queued_candidates import candidate_to_json
@@ -70,7 +70,7 @@ def write_report(session: Session, row: RunRow, report: RunReport, *, ended: dat
     session.add_all(
         VerdictRow(**values) for values in verdict_values(row.seq, row.batch_seq, facet, notable)
     )
-    found = found_in_run(
+    found = make_found_rows_of_run(
         notable,
         run_seq=row.seq,
         batch_seq=row.batch_seq,

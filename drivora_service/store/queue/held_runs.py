@@ -26,7 +26,9 @@ class HeldRuns:
     def numbers(self) -> Mapping[int, int]:
         """Returns their numbers by the ``seq`` of their batch."""
         # Counted here: for a GROUP BY, SQLite would scan all queued runs in the order of batches.
-        return Counter(batch_seq for (batch_seq,) in self._session.connection().execute(_held()))
+        return Counter(
+            batch_seq for (batch_seq,) in self._session.connection().execute(_select_held())
+        )
 
     def others(self, numbers: Mapping[int, int]) -> ColumnElement[bool]:
         """Returns the condition that a batch has queued runs that are not held."""
@@ -68,6 +70,6 @@ class HeldRuns:
 
 
 @cache
-def _held() -> Select[int]:
+def _select_held() -> Select[int]:
     # The status is a constant in the text, so that the query is not planned for its value.
     return select(RUNS.c.batch_seq).where(RUNS.c.not_before.is_not(None), RUNS.c.status == QUEUED)

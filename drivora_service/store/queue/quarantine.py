@@ -23,7 +23,7 @@ def quarantine_key(scenario_sha256: str, agent_override: str, seed_override: int
     ).hexdigest()
 
 
-def quarantined_report(run_id: str, record: QuarantineRecord) -> RunReport:
+def make_quarantine_report(run_id: str, record: QuarantineRecord) -> RunReport:
     """Returns the report of a run that is not started because its scenario is quarantined."""
     return RunReport(
         run_id=run_id,

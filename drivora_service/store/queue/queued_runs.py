@@ -57,10 +57,10 @@ QUEUED_RUN = (
     RUNS.c.interruptions,
     RUNS.c.cancel_requested,
 )
-"""The columns that :func:`queued_run` reads."""
+"""The columns that :func:`read_queued_run` reads."""
 
 
-def queued_run(values: Sequence[Any]) -> QueuedRun:
+def read_queued_run(values: Sequence[Any]) -> QueuedRun:
     """Reads a run from the first columns of a row, which are :data:`QUEUED_RUN`."""
     return QueuedRun._make((*values[:9], _state(*values[9:14])))
 
@@ -78,7 +78,7 @@ def _state(status: str, failures: int, crashes: int, interruptions: int, cancel:
 
 
 @cache
-def _queued_runs() -> Select[Any]:
+def _select_queued() -> Select[Any]:
     return (
         select(
             *QUEUED_RUN,
@@ -98,7 +98,7 @@ def _queued_runs() -> Select[Any]:
 def first_runs() -> Select[Any]:
     """Returns the query for ``share`` queued runs of ``batch``, held runs left out."""
     return (
-        _queued_runs()
+        _select_queued()
         .where(RUNS.c.batch_seq == bindparam("batch"), RUNS.c.not_before.is_(None))
         .order_by(RUNS.c.seq)
         .limit(bindparam("share"))
@@ -108,7 +108,7 @@ def first_runs() -> Select[Any]:
 @cache
 def one_run() -> Select[Any]:
     """Returns the query for a queued run by its ``seq``, ``run``."""
-    return _queued_runs().where(RUNS.c.seq == bindparam("run"))
+    return _select_queued().where(RUNS.c.seq == bindparam("run"))
 
 
 @cache

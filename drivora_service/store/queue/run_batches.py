@@ -17,7 +17,10 @@ from drivora_service.runs.lifecycle import RunState, Transition
 from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
 from drivora_service.store.changes.revisions import next_revisions, revise_batches
 from drivora_service.store.engine.plain_statements import Row, execute_many
-from drivora_service.store.failures.failure_writing import found_in_run, write_found_in_runs
+from drivora_service.store.failures.failure_writing import (
+    make_found_rows_of_run,
+    write_found_in_runs,
+)
 from drivora_service.store.queue.endings import end_values, report_values, verdict_values
 from drivora_service.store.queue.queued_runs import QueuedRun
 from drivora_service.store.queue.run_statements import (
@@ -30,7 +33,7 @@ from drivora_service.store.queue.run_statements import (
     queue_run_again,
     start_run,
 )
-from drivora_service.store.runs.facets import Facet, FacetChanges, add_counts, counted_facet
+from drivora_service.store.runs.facets import Facet, FacetChanges, add_counts, make_facet_with_key
 from drivora_service.store.runs.notable_verdicts import notable_verdicts
 
 
@@ -157,7 +160,7 @@ class RunBatch:
         if not notable:
             return
         self._verdicts += verdict_values(run.seq, run.batch_seq, facet, notable)
-        self._found += found_in_run(
+        self._found += make_found_rows_of_run(
             notable,
             run_seq=run.seq,
             batch_seq=run.batch_seq,
@@ -174,8 +177,8 @@ class RunBatch:
         accountability: str | None = None,
     ) -> int:
         """Counts the change of a run's facet; returns the number of the new one."""
-        before, old = counted_facet(run.agent, run.town, run.state.status)
-        after, new = counted_facet(run.agent, run.town, status, violations, accountability)
+        before, old = make_facet_with_key(run.agent, run.town, run.state.status)
+        after, new = make_facet_with_key(run.agent, run.town, status, violations, accountability)
         move = run.batch_seq, old, new
         if move not in self._moves:
             self._facets[old], self._facets[new] = before, after

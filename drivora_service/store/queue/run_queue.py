@@ -30,7 +30,7 @@ from drivora_service.store.queue.queued_runs import (
     leases_of_owner,
     leases_of_runs,
     one_run,
-    queued_run,
+    read_queued_run,
     runs_to_cancel,
 )
 from drivora_service.store.queue.run_batches import RunBatch
@@ -122,7 +122,7 @@ class QueueRepository:
         connection = self._session.connection()
         for query, values in self._queries(limit, reserved_to, now):
             for row in connection.execute(query, values):
-                run = queued_run(row)
+                run = read_queued_run(row)
                 agent, seed, feedback, genes, body = row[len(QUEUED_RUN) :]
                 attempt = run.attempts + 1
                 changes.start(run, lifecycle.start(run.state), owner_id=owner_id, now=now)
@@ -281,7 +281,7 @@ class QueueRepository:
                     leases_of_runs(), {"owner": owner_id, "run_ids": list(chunk)}
                 )
             ]
-        leases = [(queued_run(row), row[-1]) for row in rows]
+        leases = [(read_queued_run(row), row[-1]) for row in rows]
         return {run.id: (run, number) for run, number in leases}
 
 

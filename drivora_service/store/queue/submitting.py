@@ -20,8 +20,8 @@ from drivora_service.store.engine.stored_documents import store_documents
 from drivora_service.store.queue.endings import write_report
 from drivora_service.store.queue.quarantine import (
     QuarantineRepository,
+    make_quarantine_report,
     quarantine_key,
-    quarantined_report,
 )
 from drivora_service.store.queue.queued_candidates import source_to_json
 from drivora_service.store.runs.batch_repository import single_jobs
@@ -104,18 +104,18 @@ def _already_over(
         if run.report is not None:
             over[run_id] = replace(run.report, run_id=run_id)
         elif key in quarantined and run.candidate is None:
-            over[run_id] = quarantined_report(run_id, quarantined[key])
+            over[run_id] = make_quarantine_report(run_id, quarantined[key])
     return over
 
 
 def _check_room(session: Session, more: int, limit: int) -> None:
-    queued = queued_runs(session)
+    queued = count_queued_runs(session)
     if more and queued + more > limit:
         wait = math.ceil(min(queued + more - limit, queued) / _RUNS_A_SECOND)
         raise QueueFull(queued=queued, limit=limit, retry_after_s=max(1, min(wait, 600)))
 
 
-def queued_runs(session: Session) -> int:
+def count_queued_runs(session: Session) -> int:
     """Returns the number of queued runs."""
     waiting = select(func.sum(FacetRow.runs)).where(FacetRow.status == RunStatus.QUEUED)
     return session.scalar(waiting) or 0

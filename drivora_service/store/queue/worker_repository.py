@@ -108,12 +108,12 @@ class WorkerRepository:
             for priority in Priority
         )
 
-    def ended_since(self, moment: datetime) -> int:
+    def count_ended_since(self, moment: datetime) -> int:
         """Returns the number of runs that have ended since a moment."""
         query = select(func.count()).select_from(RunRow).where(RunRow.ended_at >= moment)
         return self._session.scalar(query.where(RunRow.ended_at.is_not(None))) or 0
 
-    def living(self) -> tuple[OwnerRecord, ...]:
+    def living_owners(self) -> tuple[OwnerRecord, ...]:
         """Returns the owners that have not left, with their slots."""
         owners = self._session.scalars(
             select(OwnerRow).where(OwnerRow.ended_at.is_(None)).order_by(OwnerRow.started_at)

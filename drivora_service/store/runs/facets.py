@@ -58,7 +58,7 @@ def facet_key(facet: Facet) -> int:
 
 
 @lru_cache(maxsize=4096)
-def counted_facet(
+def make_facet_with_key(
     agent: str,
     town: str,
     status: str,
@@ -127,7 +127,7 @@ def add_counts(session: Session, changes: Mapping[tuple[int, Facet], int]) -> No
     ):
         if rows:
             connection = session.connection()
-            execute_many(connection, _adding(connection.dialect.name, table, keys), rows)
+            execute_many(connection, _make_upsert(connection.dialect.name, table, keys), rows)
 
 
 def subtract_runs(session: Session, numbers: Mapping[tuple[int, int], int]) -> None:
@@ -149,7 +149,7 @@ def subtract_runs(session: Session, numbers: Mapping[tuple[int, int], int]) -> N
 
 
 @cache
-def _adding(dialect: str, table: Any, keys: tuple[str, ...]) -> Any:
+def _make_upsert(dialect: str, table: Any, keys: tuple[str, ...]) -> Any:
     insert = insert_class(dialect)(table)
     return insert.on_conflict_do_update(
         index_elements=list(keys), set_={"runs": table.c.runs + insert.excluded.runs}

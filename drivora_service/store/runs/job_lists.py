@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from sqlalchemy import ColumnElement, Select, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
-from drivora_service.store.engine.merging import Branch, first_numbers, merged
+from drivora_service.store.engine.merging import Branch, first_numbers, merge_branches
 from drivora_service.store.runs.facet_tables import BatchFacetRow, FacetRow
 from drivora_service.store.runs.run_records import JobFilter
 from drivora_service.store.runs.run_scope import RunScope, facet_conditions, has_verdict, run_scope
@@ -17,7 +17,7 @@ from drivora_service.store.runs.run_tables import RunRow, VerdictRow
 Conditions = tuple[ColumnElement[bool], ...]
 
 
-def listed_runs(
+def list_run_numbers(
     session: Session, wanted: JobFilter, *, limit: int, after: int | None, newest_first: bool
 ) -> list[int]:
     """Returns the ``seq`` of the first runs that pass a filter, in their order.
@@ -33,7 +33,7 @@ def listed_runs(
     if scope is None:
         return []
     if wanted == JobFilter(outcome=wanted.outcome, since=wanted.since, until=wanted.until):
-        everything = Branch(number=RunRow.seq, conditions=scope.submitted(RunRow.seq))
+        everything = Branch(number=RunRow.seq, conditions=scope.conditions_on_seq(RunRow.seq))
         return first_numbers(
             session, [everything], limit=limit, after=after, descending=newest_first
         )
@@ -56,7 +56,7 @@ def listed_runs(
                 yield (source, key), number
 
     branches = sum(map(len, keys.values()))
-    return merged(fetch, branches=branches, limit=limit, descending=newest_first)
+    return merge_branches(fetch, branches=branches, limit=limit, descending=newest_first)
 
 
 class _Source:

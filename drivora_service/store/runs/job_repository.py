@@ -16,9 +16,9 @@ from drivora_service.store.campaigns.campaign_tables import CampaignRow, is_camp
 from drivora_service.store.engine.chunks import batched
 from drivora_service.store.engine.paging import make_token, read_token
 from drivora_service.store.queue.cancelling import cancel_runs
-from drivora_service.store.queue.submitting import queued_runs, submit_runs
+from drivora_service.store.queue.submitting import count_queued_runs, submit_runs
 from drivora_service.store.runs.facet_tables import FacetRow
-from drivora_service.store.runs.job_lists import listed_runs
+from drivora_service.store.runs.job_lists import list_run_numbers
 from drivora_service.store.runs.run_counts import RunCounts, count_runs
 from drivora_service.store.runs.run_queries import run_query, summaries
 from drivora_service.store.runs.run_records import (
@@ -123,7 +123,7 @@ class JobRepository:
         """
         scope = f"jobs {newest_first} {_scope(wanted)}"
         last = read_token(scope, page_token) if page_token else None
-        numbers = listed_runs(
+        numbers = list_run_numbers(
             self._session, wanted, limit=limit + 1, after=last, newest_first=newest_first
         )
         more = make_token(scope, numbers[limit - 1]) if len(numbers) > limit else ""
@@ -242,9 +242,9 @@ class JobRepository:
         )
         return self._session.scalar(query) or ""
 
-    def queued(self) -> int:
+    def count_queued_runs(self) -> int:
         """Returns the number of queued runs."""
-        return queued_runs(self._session)
+        return count_queued_runs(self._session)
 
 
 def _scope(wanted: JobFilter) -> str:

@@ -68,7 +68,7 @@ class ResultRepository:
         conditions = [RunRow.seq > after]
         times = run_scope(self._session, JobFilter(since=runs.since, until=runs.until))
         if times is not None:
-            conditions += times.submitted(RunRow.seq)
+            conditions += times.conditions_on_seq(RunRow.seq)
         if wanted.names_any:
             of_campaigns = select(CampaignRow.batch_id).where(
                 is_named(wanted), CampaignRow.batch_id != ""

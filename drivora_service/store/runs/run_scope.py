@@ -30,7 +30,9 @@ class RunScope:
     first: int | None
     end: int | None
 
-    def submitted(self, number: InstrumentedAttribute[int]) -> tuple[ColumnElement[bool], ...]:
+    def conditions_on_seq(
+        self, number: InstrumentedAttribute[int]
+    ) -> tuple[ColumnElement[bool], ...]:
         """Returns the conditions on the ``seq`` of a run."""
         conditions: list[ColumnElement[bool]] = []
         if self.first is not None:
@@ -42,12 +44,12 @@ class RunScope:
     def of_runs(self) -> tuple[ColumnElement[bool], ...]:
         """Returns the conditions on runs."""
         of_batch = () if self.batch_seq is None else (RunRow.batch_seq == self.batch_seq,)
-        return (*of_batch, *self.submitted(RunRow.seq))
+        return (*of_batch, *self.conditions_on_seq(RunRow.seq))
 
     def of_verdicts(self) -> tuple[ColumnElement[bool], ...]:
         """Returns the conditions on verdicts."""
         of_batch = () if self.batch_seq is None else (VerdictRow.batch_seq == self.batch_seq,)
-        return (*of_batch, *self.submitted(VerdictRow.run_seq))
+        return (*of_batch, *self.conditions_on_seq(VerdictRow.run_seq))
 
 
 def run_scope(session: Session, wanted: JobFilter) -> RunScope | None:

@@ -144,7 +144,7 @@ class SuiteRunRepository:
         places = {row.seq: place for place, row in enumerate(rows)}
         found: dict[str, list[SuiteOutcome | None]] = {}
         order: dict[str, tuple[int, int]] = {}
-        for (seq, place), outcome in self._placed(list(places)):
+        for (seq, place), outcome in self._read_outcomes(list(places)):
             line = found.setdefault(outcome.scenario, [None] * len(rows))
             line[places[seq]] = outcome
             # By the last run that had it: the greatest number of a run comes last.
@@ -159,9 +159,9 @@ class SuiteRunRepository:
         )
 
     def _outcomes(self, seqs: Sequence[int]) -> list[tuple[int, SuiteOutcome]]:
-        return [(seq, outcome) for (seq, _), outcome in self._placed(seqs)]
+        return [(seq, outcome) for (seq, _), outcome in self._read_outcomes(seqs)]
 
-    def _placed(self, seqs: Sequence[int]) -> Iterable[tuple[tuple[int, int], SuiteOutcome]]:
+    def _read_outcomes(self, seqs: Sequence[int]) -> Iterable[tuple[tuple[int, int], SuiteOutcome]]:
         rows = self._session.scalars(
             select(SuiteOutcomeRow)
             .where(SuiteOutcomeRow.run_seq.in_(seqs))

@@ -99,7 +99,7 @@ class Storage:
         """Returns whether there is a file."""
         return bool(self._system.isfile(self._place(name)))
 
-    def written_at(self, name: str) -> float:
+    def modification_time(self, name: str) -> float:
         """Returns when a file was written, in seconds since 1970.
 
         Raises:
@@ -163,7 +163,7 @@ class Storage:
 
     def take(self, address: str, other: str) -> None:
         """Copies a file within the storage; nothing if there is none."""
-        source, target = self._stripped(address), self._stripped(other)
+        source, target = self._strip_url(address), self._strip_url(other)
         if not is_of_objects(self._system.protocol):
             self._system.makedirs(target.rpartition("/")[0], exist_ok=True)
         with contextlib.suppress(FileNotFoundError):
@@ -172,7 +172,7 @@ class Storage:
     def _place(self, name: str) -> str:
         return f"{self._root}/{name}"
 
-    def _stripped(self, address: str) -> str:
+    def _strip_url(self, address: str) -> str:
         return self._place(address.removeprefix(f"{self.url}/"))
 
     def _forget_oldest(self) -> None:
@@ -180,7 +180,7 @@ class Storage:
             copies = [path for path in self._copies.iterdir() if path.is_dir()]
             if len(copies) <= MOST_COPIES:
                 return
-            copies.sort(key=_used_at)
+            copies.sort(key=_last_use)
             for path in copies[: len(copies) // 2]:
                 shutil.rmtree(path, ignore_errors=True)
 
@@ -210,9 +210,9 @@ class RemoteTraceFolder:
         # Earlier versions of Drivora, and backups, have one place for all attempts.
         return copy if attempt == 1 or copy.is_file() else self._storage.copy_of(_name(run_id))
 
-    def written_at(self, run_id: str) -> float:
+    def modification_time(self, run_id: str) -> float:
         """Returns when the last trace of a run was written."""
-        return max(map(self._storage.written_at, self._files(run_id)))
+        return max(map(self._storage.modification_time, self._files(run_id)))
 
     def remove(self, run_id: str) -> int:
         """Removes the traces of all attempts at a run; returns their size in bytes."""
@@ -267,7 +267,7 @@ class RemoteCampaignTraces:
         self._storage.take(run, address)
 
 
-def _used_at(path: Path) -> float:
+def _last_use(path: Path) -> float:
     # Another server that shares the folder may have removed it.
     with contextlib.suppress(FileNotFoundError):
         return path.stat().st_mtime

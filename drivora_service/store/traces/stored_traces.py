@@ -13,7 +13,7 @@ from drivora_service.store.runs.run_tables import RunRow
 from drivora_service.store.traces.trace_folders import RunTraces
 
 
-def stored_trace(database: Callable[[], Database], traces: RunTraces, run_id: str) -> Path:
+def find_trace_path(database: Callable[[], Database], traces: RunTraces, run_id: str) -> Path:
     """Returns the path of the trace of a run, which may not exist.
 
     Args:

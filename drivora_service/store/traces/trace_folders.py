@@ -43,7 +43,7 @@ class RunTraces(Protocol):
             OSError: The storage does not answer.
         """
 
-    def written_at(self, run_id: str) -> float:
+    def modification_time(self, run_id: str) -> float:
         """Returns when the last trace of a run was written, in seconds since 1970.
 
         Raises:
@@ -119,14 +119,14 @@ class TraceFolder:
         # Earlier versions of Drivora, and backups, have one place for all attempts.
         return file if attempt == 1 or file.is_file() else self._file(run_id, 1)
 
-    def written_at(self, run_id: str) -> float:
+    def modification_time(self, run_id: str) -> float:
         """Returns when the last trace of a run was written."""
         return max(file.stat().st_mtime for file in self._files(run_id))
 
     def remove(self, run_id: str) -> int:
         """Removes the traces of all attempts at a run; returns their size in bytes."""
         try:
-            return sum(map(_removed, self._files(run_id)))
+            return sum(map(_remove_file, self._files(run_id)))
         finally:
             shutil.rmtree(self._later_folder(run_id), ignore_errors=True)
 
@@ -180,7 +180,7 @@ class CampaignTraces:
 
     def remove(self, campaign_id: str, name: str) -> int:
         """Removes a trace; returns its size in bytes."""
-        return _removed(self.path(campaign_id, name))
+        return _remove_file(self.path(campaign_id, name))
 
     def take(self, run: str, address: str) -> None:
         """Links a trace under a second name, or copies it where links are impossible."""
@@ -205,7 +205,7 @@ def later_attempts(names: Iterable[str]) -> tuple[int, ...]:
     return tuple(sorted(int(name) for name in names if name.isdecimal()))
 
 
-def _removed(path: Path) -> int:
+def _remove_file(path: Path) -> int:
     size = path.stat().st_size
     path.unlink()
     return size

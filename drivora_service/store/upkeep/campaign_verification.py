@@ -35,7 +35,7 @@ class TracedFailure:
     trace_sha256: str
 
 
-def campaign_counts(session: Session) -> Iterator[Finding]:
+def campaign_count_findings(session: Session) -> Iterator[Finding]:
     """Compares the counts of campaigns with their evaluations.
 
     As numbers are unique and start at 0, their count and the greatest of them reveal gaps.

@@ -163,7 +163,8 @@ def remove_strays(database: Database, traces: RunTraces, *, written_before: date
         strays = [
             run_id
             for run_id in run_ids
-            if run_id not in wanted and traces.written_at(run_id) < written_before.timestamp()
+            if run_id not in wanted
+            and traces.modification_time(run_id) < written_before.timestamp()
         ]
         removed += _remove_files(traces, strays)
     return removed

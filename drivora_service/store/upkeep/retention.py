@@ -11,7 +11,7 @@ from sqlalchemy import select, update
 
 from drivora_service.store.campaigns.campaign_records import CampaignState
 from drivora_service.store.campaigns.campaign_tables import CampaignRow, FailureRow
-from drivora_service.store.changes.revisions import campaign_has_changed
+from drivora_service.store.changes.revisions import revise_campaign
 from drivora_service.store.database import Database
 from drivora_service.store.engine.chunks import batched
 from drivora_service.store.traces.trace_folders import FailureTraces, RunTraces
@@ -151,5 +151,5 @@ def _drop_traces(database: Database, campaign_seq: int) -> set[str]:
                 .where(FailureRow.campaign_seq == campaign_seq, FailureRow.number.in_(numbers))
                 .values(trace="")
             )
-            campaign_has_changed(transaction.session, campaign_seq)
+            revise_campaign(transaction.session, campaign_seq)
     return {row.trace for row in failures if row.number in kept}

@@ -14,7 +14,7 @@ from drivora_service.store.database import Database
 from drivora_service.store.runs.run_tables import BatchRow, ReportRow, RunRow
 from drivora_service.store.traces.trace_folders import FailureTraces, RunTraces, run_ids
 from drivora_service.store.upkeep.campaign_verification import (
-    campaign_counts,
+    campaign_count_findings,
     failure_findings,
     traced_failures,
 )
@@ -44,7 +44,7 @@ def verify(
         yield from _reports(session)
         yield from _counts(session)
         yield from facet_findings(session)
-        yield from campaign_counts(session)
+        yield from campaign_count_findings(session)
         yield from failure_findings(session)
         expected_failures = traced_failures(session)
         traced = select(RunRow.id, RunRow.attempts, RunRow.trace_sha256)

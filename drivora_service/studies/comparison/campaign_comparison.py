@@ -34,7 +34,7 @@ from drivora_service.studies.comparison.campaign_measures import (
     check_comparable,
     compare_campaigns,
 )
-from drivora_service.studies.comparison.compared_subjects import Compared, compared_campaigns
+from drivora_service.studies.comparison.compared_subjects import Compared, make_compared_campaigns
 from drivora_service.studies.coverage.law_coverage import law_verdicts
 from drivora_service.studies.found_counts import others_fault
 
@@ -96,7 +96,7 @@ def compare_stored(
     # Imported here: importing this module shall not import the testers and the clustering.
     from drivora_service.campaigns.document.searched_space import searched_spaces_of
 
-    campaigns = compared_campaigns(records, catalogues.testers)
+    campaigns = make_compared_campaigns(records, catalogues.testers)
     check_comparable([campaign.subject for campaign in campaigns], baseline)
     by_scenario: dict[str, list[Compared]] = defaultdict(list)
     for campaign in campaigns:
@@ -105,13 +105,13 @@ def compare_stored(
     limits: dict[str, float] = {}
     for scenario, here in by_scenario.items():
         evaluations = [
-            confirmed_evaluations(database, c.record.id, c.document.oracles) for c in here
+            read_confirmed_evaluations(database, c.record.id, c.document.oracles) for c in here
         ]
         if equal_time:
             limits[scenario] = min(duration_s(one) for one in evaluations)
         searched = searched_spaces_of(here[0].record, catalogues)
         for campaign, own in zip(here, evaluations, strict=True):
-            figures[campaign.record.id] = compared_figures(
+            figures[campaign.record.id] = compute_comparison_figures(
                 database, campaign, own, searched, limits.get(scenario)
             )
     ordered = tuple(figures[campaign.record.id] for campaign in campaigns)
@@ -125,7 +125,7 @@ def compare_stored(
     )
 
 
-def confirmed_evaluations(
+def read_confirmed_evaluations(
     database: Database, campaign_id: str, oracles: Collection[str]
 ) -> tuple[EvaluationRecord, ...]:
     """Returns the evaluations of a campaign, without failures that were not repeated.
@@ -198,7 +198,7 @@ def network_coverage(
         after = page[-1][0]
 
 
-def compared_figures(
+def compute_comparison_figures(
     database: Database,
     campaign: Compared,
     records: Sequence[EvaluationRecord],

@@ -25,7 +25,7 @@ def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> 
         charts: Pictures to show, in the folder of the text.
     """
     lines = [f"# Comparison with {comparison.baseline}", "", how_to_read(comparison), ""]
-    lines += [f"- {line}" for line in setting(comparison)]
+    lines += [f"- {line}" for line in describe_setting(comparison)]
     lines += [f"- Note: {note}" for note in comparison.notes]
     lines += ["", "## What the simulations came to", "", WORDS, ""]
     lines += table(COLUMNS, accountable_rows(comparison.campaigns))
@@ -73,7 +73,7 @@ def how_to_read(comparison: Comparison) -> str:
     )
 
 
-def setting(comparison: Comparison) -> tuple[str, ...]:
+def describe_setting(comparison: Comparison) -> tuple[str, ...]:
     """Describes the compared campaigns, by scenario."""
     lines = []
     for scenario, budget in comparison.budgets.items():

@@ -38,7 +38,7 @@ class Compared:
     subject: Subject
 
 
-def compared_campaigns(
+def make_compared_campaigns(
     records: Sequence[CampaignRecord], testers: TesterCatalogue
 ) -> tuple[Compared, ...]:
     """Names the methods and scenarios of campaigns for a comparison.

@@ -198,7 +198,7 @@ def study_bands(
         document = StudyDocument.model_validate(study.document)
         known = (document.scenario_labels, document.agent_labels, document.method_labels)
         wanted = tuple(
-            _chosen(what, names, labels)
+            _choose_names(what, names, labels)
             for what, names, labels in zip(
                 ("scenario", "agent", "method"), (scenarios, agents, methods), known, strict=True
             )
@@ -304,7 +304,7 @@ def _first(simulations: Numbers) -> int | None:
     return int(simulations[0]) if len(simulations) else None
 
 
-def _chosen(what: str, names: Collection[str], known: Sequence[str]) -> Collection[str]:
+def _choose_names(what: str, names: Collection[str], known: Sequence[str]) -> Collection[str]:
     for name in names:
         if name not in known:
             raise UnknownName(f"{what} of the study", name, tuple(known))

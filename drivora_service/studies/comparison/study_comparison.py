@@ -14,8 +14,8 @@ from drivora_service.shapes import Shape, combine
 from drivora_service.store.campaigns.campaign_records import CampaignRecord, CampaignState
 from drivora_service.studies.campaign_figures import CampaignFigures, Subject, duration_s
 from drivora_service.studies.comparison.campaign_comparison import (
-    compared_figures,
-    confirmed_evaluations,
+    compute_comparison_figures,
+    read_confirmed_evaluations,
 )
 from drivora_service.studies.comparison.campaign_measures import (
     SIGNIFICANT,
@@ -166,10 +166,10 @@ def compare_study(
             raise UnknownName(f"{kind} of the study", wanted, known)
     chosen = tuple(measures) or tuple(measure(name) for name in HEADLINES)
     figures = tuple(_figures(database, document, records, catalogues, equal_time=equal_time))
-    by_method = _compared(
+    by_method = _compare_with_baseline(
         figures, lambda f: replace(f, scenario=_place(f.scenario, f.agent)), method, chosen
     )
-    by_agent = _compared(
+    by_agent = _compare_with_baseline(
         () if equal_time else figures,
         lambda f: replace(f, scenario=f"{f.scenario}, {f.method}", method=f.agent),
         agent,
@@ -223,9 +223,11 @@ def _figures(
         limits = _shortest(database, here) if equal_time else {}
         for record in here:
             campaign = _subject(record, document)
-            evaluations = confirmed_evaluations(database, record.id, campaign.document.oracles)
+            evaluations = read_confirmed_evaluations(database, record.id, campaign.document.oracles)
             agent = _agent(record)
-            figures = compared_figures(database, campaign, evaluations, searched, limits.get(agent))
+            figures = compute_comparison_figures(
+                database, campaign, evaluations, searched, limits.get(agent)
+            )
             yield combine(StudyFigures, figures, agent=agent)
 
 
@@ -234,7 +236,7 @@ def _shortest(database: Database, records: Sequence[CampaignRecord]) -> Mapping[
     shortest: dict[str, float] = {}
     for record in records:
         # Read again later: the evaluations of hundreds of campaigns do not fit in memory at once.
-        took = duration_s(confirmed_evaluations(database, record.id, ()))
+        took = duration_s(read_confirmed_evaluations(database, record.id, ()))
         shortest[_agent(record)] = min(took, shortest.get(_agent(record), took))
     return shortest
 
@@ -263,7 +265,7 @@ def _subject(record: CampaignRecord, document: StudyDocument) -> Compared:
     )
 
 
-def _compared(
+def _compare_with_baseline(
     figures: Sequence[StudyFigures],
     placed: Callable[[StudyFigures], StudyFigures],
     baseline: str,

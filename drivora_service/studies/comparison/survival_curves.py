@@ -85,10 +85,10 @@ def _survival(
     repetitions: Sequence[CampaignFigures], kinds: int, scenario: str, agent: str, method: str
 ) -> Survival:
     found = [f.found_avoidable[kinds - 1] for f in repetitions if len(f.found_avoidable) >= kinds]
-    never = [_observed(f) for f in repetitions if len(f.found_avoidable) < kinds]
+    never = [_observation_end(f) for f in repetitions if len(f.found_avoidable) < kinds]
     at, share = kaplan_meier(found, never)
     below = np.flatnonzero(np.array(share) <= _HALF)
-    last = max(map(_observed, repetitions))
+    last = max(map(_observation_end, repetitions))
     if last > at[-1]:
         at, share = (*at, last), (*share, share[-1])
     return Survival(
@@ -125,7 +125,7 @@ def kaplan_meier(
     return (0, *steps.tolist()), (1.0, *share.tolist())
 
 
-def _observed(figures: CampaignFigures) -> int:
+def _observation_end(figures: CampaignFigures) -> int:
     """Returns the number of simulations until which a campaign was observed.
 
     One that ended before its budget would have found nothing more: it is observed until the budget.

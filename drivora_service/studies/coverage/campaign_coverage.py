@@ -116,7 +116,11 @@ class CoverageCounts:
         return self._roads[town]
 
     def _count_kinds(self, row: CandidateRow, scenario: Scenario, turns: Collection[Turn]) -> None:
-        counts = [name for name, counted in zip(_COUNTS, _counted(row), strict=True) if counted]
+        counts = [
+            name
+            for name, counted in zip(_COUNTS, _classify_simulation(row), strict=True)
+            if counted
+        ]
         for turn in turns:
             for others in _others(scenario):
                 self._kinds.update((turn, others, name) for name in counts)
@@ -137,7 +141,7 @@ class CoverageCounts:
             if own:
                 bins.add(
                     np.array([row.genes for row in own], dtype=np.float64),
-                    np.array([_counted(row) for row in own], dtype=np.bool_),
+                    np.array([_classify_simulation(row) for row in own], dtype=np.bool_),
                 )
 
 
@@ -209,7 +213,7 @@ def _network_coverage(
     )
 
 
-def _counted(row: CandidateRow) -> tuple[bool, bool, bool]:
+def _classify_simulation(row: CandidateRow) -> tuple[bool, bool, bool]:
     """Returns whether a simulation counts as such, as failing, and as avoidably so."""
     return True, row.violations > 0, row.accountability == Accountability.AVOIDABLE
 

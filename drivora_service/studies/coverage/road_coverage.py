@@ -180,18 +180,18 @@ def _straight_ways(scenario: Scenario) -> Iterator[FloatArray]:
     """Yields (n, 2) places of each actor that moves in straight lines, or not at all."""
     for npc in scenario.npc_vehicles:
         if npc.behavior is NpcBehavior.REPLAY:
-            yield _walked(npc.route)
+            yield _sample_route(npc.route)
     for walker in scenario.npc_walkers:
-        yield _walked(walker.route)
+        yield _sample_route(walker.route)
     for obstacle in scenario.npc_obstacles:
-        yield _walked((obstacle.location,))
+        yield _sample_route((obstacle.location,))
 
 
 def _places(route: Sequence[Waypoint]) -> FloatArray:
     return np.array([(p.x, p.y, math.nan if p.yaw is None else p.yaw) for p in route])
 
 
-def _walked(route: Sequence[Waypoint]) -> FloatArray:
+def _sample_route(route: Sequence[Waypoint]) -> FloatArray:
     pieces = [np.array([(route[0].x, route[0].y)])]
     for here, there in itertools.pairwise(route):
         count = max(math.ceil(math.hypot(there.x - here.x, there.y - here.y) / _STEP), 1)

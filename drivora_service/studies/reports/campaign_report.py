@@ -23,9 +23,9 @@ from drivora_service.store.database import Database
 from drivora_service.studies.campaign_figures import CampaignFigures, Subject, figures_of
 from drivora_service.studies.comparison.campaign_comparison import (
     check_genes,
-    confirmed_evaluations,
     network_coverage,
     networks_of,
+    read_confirmed_evaluations,
 )
 
 
@@ -104,7 +104,7 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
     privileged: set[str] = set()
     try:
         searched = searched_spaces_of(record, catalogues)
-        confirmed = confirmed_evaluations(database, record.id, document.oracles)
+        confirmed = read_confirmed_evaluations(database, record.id, document.oracles)
         evaluations = check_genes(confirmed, searched, record)
         privileged.update(ego for one in evaluations for ego in one.report.privileged)
         figures = _figures(database, record, document, searched, groups, evaluations)

@@ -29,7 +29,7 @@ def report_markdown(
     record = report.record
     lines = [f"# Campaign {record.name}", ""]
     lines += [f"`{record.id}`, {record.state}" + (f": {record.message}" if record.message else "")]
-    lines += ["", "## Search", "", *table(("", ""), _searched(report))]
+    lines += ["", "## Search", "", *table(("", ""), _make_search_rows(report))]
     lines += ["", "## Results", "", *table(("", ""), _outcome(report))]
     if report.note:
         lines += ["", f"Coverage and times are not known: {report.note}"]
@@ -41,7 +41,7 @@ def report_markdown(
     return "\n".join(lines) + "\n"
 
 
-def _searched(report: CampaignReport) -> list[tuple[str, str]]:
+def _make_search_rows(report: CampaignReport) -> list[tuple[str, str]]:
     record, document = report.record, report.document
     tester = document.tester
     rows = [("method", tester.name)]
@@ -123,10 +123,10 @@ def _outcome(report: CampaignReport) -> list[tuple[str, str]]:
         ("simulations with undetermined fault", _count(counts.undetermined)),
         ("work time", f"{report.record.active_s:.1f} s"),
     ]
-    return rows if figures is None else rows + _measured(figures)
+    return rows if figures is None else rows + _make_figure_rows(figures)
 
 
-def _measured(figures: CampaignFigures) -> list[tuple[str, str]]:
+def _make_figure_rows(figures: CampaignFigures) -> list[tuple[str, str]]:
     covered = figures.network_coverage
     return [
         ("simulations at fault, avoidability not measurable", str(figures.not_measurable)),

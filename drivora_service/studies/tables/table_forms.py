@@ -44,7 +44,7 @@ class Table:
     pages: Callable[[], Iterator[Sequence[Row]]]
 
 
-def chosen_columns(table: Table, columns: Sequence[str]) -> Table:
+def select_columns(table: Table, columns: Sequence[str]) -> Table:
     """Returns a table with some of its columns, in the wanted order; empty: all.
 
     Raises:

@@ -13,7 +13,7 @@ from drivora_service.suites.suite_failures import find_failures
 from drivora_service.suites.suite_results import SuiteResults
 
 
-def accepted_baseline(
+def update_baseline(
     results: SuiteResults, suite: Suite, gate: GateDocument, old: Baseline | None
 ) -> Baseline:
     """Returns the baseline that accepts what fails in results.

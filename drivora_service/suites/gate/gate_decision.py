@@ -46,10 +46,10 @@ class ClassifiedFailure:
     @property
     def change(self) -> str:
         """What has changed, in words."""
-        now = _counted(self.in_runs)
+        now = _format_occurrences(self.in_runs)
         if not self.in_runs_before.of:
             return f"fails in {now}"
-        before = _counted(self.in_runs_before)
+        before = _format_occurrences(self.in_runs_before)
         tested = "" if self.p is None else f" (p {self.p:.2g})"
         return f"fails in {now}, before in {before}{tested}"
 
@@ -162,5 +162,5 @@ def plural(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
-def _counted(occurrences: Occurrences) -> str:
+def _format_occurrences(occurrences: Occurrences) -> str:
     return f"{occurrences.runs} of {plural(occurrences.of, 'run')}"

@@ -55,7 +55,7 @@ def _violations_answer(
         )
         for run in runs
     ]
-    what = _named(limit)
+    what = _describe_limit(limit)
     if limit.most_scenarios is not None:
         count = len({run.scenario for run, fails in zip(runs, failing, strict=True) if fails})
         return LimitAnswer(
@@ -88,7 +88,7 @@ def _is_limited(verdict: Verdict, limit: LimitDocument) -> bool:
     )
 
 
-def _named(limit: LimitDocument) -> str:
+def _describe_limit(limit: LimitDocument) -> str:
     severity = f"{' or '.join(limit.severity)} " if limit.severity else ""
     oracles = " or ".join(limit.oracles or ("violation",)).replace("_", " ")
     degrees = ", ".join(limit.accountability).replace("_", " ")
@@ -106,7 +106,7 @@ def _metric_answers(
         measured = [run for run in runs if run.value_of(name) is not None]
         values = [run.value_of(name) or 0.0 for run in measured]
         mean = _over_repetitions(measured, values, confidence=gate.confidence)
-        yield _bounded(f"mean {name}", mean, low=limit.at_least, high=limit.at_most)
+        yield _compare_with_bounds(f"mean {name}", mean, low=limit.at_least, high=limit.at_most)
     if limit.most_drop is not None or limit.most_rise is not None:
         measured = [
             run
@@ -118,7 +118,7 @@ def _metric_answers(
             (run.value_of(name) or 0.0) - baseline[run.scenario].metrics[name] for run in measured
         ]
         change = _over_repetitions(measured, changes, confidence=gate.confidence)
-        yield _bounded(
+        yield _compare_with_bounds(
             f"change of mean {name}",
             change,
             # Not -most_drop, which is -0 for 0.
@@ -131,7 +131,7 @@ def _metric_answers(
 _NOTHING = BaselineScenario(sha256="", seeds=())
 
 
-def _bounded(
+def _compare_with_bounds(
     what: str,
     value: Interval | None,
     *,

@@ -47,17 +47,19 @@ def decide(
         gate: What is asked of them.
         baseline: The failures that were accepted; ``None``: every failure is new.
     """
-    found = _found(results, scenarios, gate)
+    found = _find_gate_failures(results, scenarios, gate)
     # Confirmations are runs of scenarios that have just failed: they say nothing on the whole.
     chosen = results.without_confirmations()
     comparable = _comparable(results, baseline)
     overall = (
-        None if baseline is None else _overall(_found(chosen, scenarios, gate), comparable, gate)
+        None
+        if baseline is None
+        else _overall(_find_gate_failures(chosen, scenarios, gate), comparable, gate)
     )
     known = set() if baseline is None else set(baseline.scenarios)
     decision = Decision(
         reasons=(),
-        failures=_classified(found, comparable, gate),
+        failures=_classify_failures(found, comparable, gate),
         has_baseline=baseline is not None,
         limits=limit_answers(chosen, scenarios, gate, comparable),
         overall=overall,
@@ -75,7 +77,7 @@ def decide(
     return replace(decision, reasons=tuple(_reasons(decision)))
 
 
-def _found(
+def _find_gate_failures(
     results: SuiteResults, scenarios: Mapping[str, SuiteScenario], gate: GateDocument
 ) -> Found:
     oracles = None if gate.oracles is None else frozenset(gate.oracles)
@@ -128,7 +130,7 @@ def _comparable(results: SuiteResults, baseline: Baseline | None) -> dict[str, B
     }
 
 
-def _classified(
+def _classify_failures(
     found: Found, comparable: Mapping[str, BaselineScenario], gate: GateDocument
 ) -> tuple[ClassifiedFailure, ...]:
     before = accepted_failures(comparable)

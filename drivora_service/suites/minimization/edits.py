@@ -60,7 +60,7 @@ def document_of(content: Content) -> ScenarioDocument | None:
         return None
 
 
-def edited(document: ScenarioDocument, edits: Iterable[Edit]) -> ScenarioDocument | None:
+def apply_edits(document: ScenarioDocument, edits: Iterable[Edit]) -> ScenarioDocument | None:
     """Returns a document after edits that were made for it; ``None`` if the result is none.
 
     New values are set before places are removed, so that the indices of both are those of the

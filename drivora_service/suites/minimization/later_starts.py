@@ -101,7 +101,7 @@ def _changes(document: ScenarioDocument, recording: Recording, begin: float) -> 
             elif key == "npc_obstacles":
                 yield (*here, "start_time"), 0.0
             else:
-                yield from _moved(here, actor, recording.at(actor.id, begin))
+                yield from _make_start_changes(here, actor, recording.at(actor.id, begin))
     yield from _weather(document, begin)
     if document.max_sim_time is not None:
         yield ("max_sim_time",), round(document.max_sim_time - begin, 1)
@@ -118,7 +118,7 @@ def _weather(document: ScenarioDocument, begin: float) -> Iterator[Change]:
         yield here, REMOVED
 
 
-def _moved(
+def _make_start_changes(
     here: Place, actor: Any, state: tuple[float, float, float, float] | None
 ) -> Iterator[Change]:
     """Yields the changes by which an actor starts in a state; it is left out if it has none."""
@@ -136,11 +136,11 @@ def _moved(
         yield (*here, "joins"), REMOVED
     yield (*here, "route", 0), start
     # An ego keeps its destination, others the place at which they end.
-    for number in range(1, min(_passed(actor.route, (x, y)), len(actor.route) - 1)):
+    for number in range(1, min(_count_passed(actor.route, (x, y)), len(actor.route) - 1)):
         yield (*here, "route", number), REMOVED
 
 
-def _passed(route: Sequence[PlaceDocument], place: tuple[float, float]) -> int:
+def _count_passed(route: Sequence[PlaceDocument], place: tuple[float, float]) -> int:
     """Returns the number of waypoints behind a place, by the leg of the route that is nearest."""
     points = np.array([(point.x, point.y) for point in route])
     if len(points) == 1:

@@ -126,7 +126,7 @@ class MinimizationRunner:
             return
         try:
             work, is_new = self._work(database, active)
-            ended = self._told(database, work)
+            ended = self._take_reports(database, work)
             if ended or is_new:
                 self._advance(database, work)
         except Conflict:
@@ -169,21 +169,21 @@ class MinimizationRunner:
         with database.read() as transaction:
             work.resume(
                 transaction.minimizations.reports(active.id),
-                transaction.minimizations.unfinished(active.id),
+                transaction.minimizations.unfinished_runs(active.id),
             )
         self._works[active.id] = work
         return work, True
 
-    def _told(self, database: Database, work: Work) -> bool:
+    def _take_reports(self, database: Database, work: Work) -> bool:
         """Tells a minimisation what has ended; returns whether anything has."""
         with database.read() as transaction:
-            ended = transaction.campaign_runs.ended(tuple(work.waiting))
+            ended = transaction.campaign_runs.read_reports(tuple(work.waiting))
         for report, _ in ended:
             work.take(report)
         return bool(ended)
 
     def _advance(self, database: Database, work: Work) -> None:
-        wanted = work.wanted(self._at_once)
+        wanted = work.choose_runs(self._at_once)
         end, progress = work.end, work.progress
         with database.write() as transaction:
             if end is None:

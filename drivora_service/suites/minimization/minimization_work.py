@@ -119,20 +119,20 @@ class Work:
                 self._broken = f"run {report.run_id} could not be performed{why}"
             return
         self._simulation_s += report.wall_time_s
-        found = self._identity.found_in(report.verdicts)
+        found = self._identity.find_in(report.verdicts)
         self._results[report.run_id] = TrialResult(
             failure=None
             if found is None
             else Failure(time=found.time, location=found.location, sim_time_s=report.sim_time_s),
-            recording=self._recording(report.run_id) if found else None,
+            recording=self._read_recording(report.run_id) if found else None,
         )
 
-    def wanted(self, most: int) -> tuple[NewRun, ...]:
+    def choose_runs(self, most: int) -> tuple[NewRun, ...]:
         """Returns the runs to be queued next, so that at most so many are needed at once."""
         if self._broken:
             return ()
         while True:
-            trials = {self._run_of(trial): trial for trial in self._minimizer.wanted(most)}
+            trials = {self._run_of(trial): trial for trial in self._minimizer.choose_trials(most)}
             known = [run_id for run_id in trials if run_id in self._results]
             if not known:
                 break
@@ -196,7 +196,7 @@ class Work:
             document={"version": "1.0", "frame": "sumo", **content_of(state.document)},
         )
 
-    def _recording(self, run_id: str) -> Recording | None:
+    def _read_recording(self, run_id: str) -> Recording | None:
         """Returns the motions of a run that was observed, unless its trace is gone."""
         if not run_id.endswith(Purpose.OBSERVE):
             return None

@@ -164,7 +164,7 @@ class Minimizer:
             self._results[key] = result
             self._advance()
 
-    def wanted(self, most: int) -> tuple[Trial, ...]:
+    def choose_trials(self, most: int) -> tuple[Trial, ...]:
         """Returns the next trials without an result, those that are needed first.
 
         Args:
@@ -184,7 +184,7 @@ class Minimizer:
         for number in range(self._next, len(self._question.proposals)):
             if len(found) >= most:
                 break
-            checked = self._checked(number)
+            checked = self._check_proposal(number)
             if checked is None:
                 continue
             trial = self._trial(checked, self._question.proposals[number].label)
@@ -230,7 +230,7 @@ class Minimizer:
             if self._next == len(self._question.proposals):
                 self._ask(lambda: self._search.send(None))
                 continue
-            checked = self._checked(self._next)
+            checked = self._check_proposal(self._next)
             if checked is not None:
                 key = self._trial(checked).key
                 result = self._results.get(key)
@@ -270,7 +270,7 @@ class Minimizer:
             self.is_one_minimal = not self._has_circle
             self.phase = Phase.CONFIRMING
 
-    def _checked(self, number: int) -> CheckedDocument | None:
+    def _check_proposal(self, number: int) -> CheckedDocument | None:
         """Returns a proposal of the question; ``None`` if it cannot be run, or leads in a circle.
 
         A proposal may be the same scenario as the present one, in simpler words.

@@ -48,7 +48,7 @@ class Checker:
         """Returns a document that can be run; ``None`` if it cannot."""
         key = document_text(document)
         if key not in self._known:
-            self._known[key] = self._checked(document)
+            self._known[key] = self._validate(document)
         return self._known[key]
 
     def network_of(self, document: ScenarioDocument) -> RoadNetwork:
@@ -59,7 +59,7 @@ class Checker:
         """
         return self._networks.get(document.map_region.town)
 
-    def _checked(self, document: ScenarioDocument) -> CheckedDocument | None:
+    def _validate(self, document: ScenarioDocument) -> CheckedDocument | None:
         try:
             valid = validate_document(document, self._networks, self._agents)
         except InvalidDocument:

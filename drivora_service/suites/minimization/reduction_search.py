@@ -14,9 +14,9 @@ from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.suites.minimization import removals, shortening
 from drivora_service.suites.minimization.delta_debugging import minimal_subset
-from drivora_service.suites.minimization.edits import Edit, edited
+from drivora_service.suites.minimization.edits import Edit, apply_edits
 from drivora_service.suites.minimization.later_starts import Recording, later_starts
-from drivora_service.suites.minimization.rounding import DECIMALS, rounded
+from drivora_service.suites.minimization.rounding import DECIMALS, make_roundings
 from drivora_service.suites.minimization.shortening import Failure
 
 PROOF = "proof"
@@ -49,7 +49,7 @@ class Proposal:
 
     def document(self) -> ScenarioDocument | None:
         """Returns the document to try; ``None`` if the edits lead to none."""
-        return edited(self.base, self.edits)
+        return apply_edits(self.base, self.edits)
 
     @property
     def label(self) -> str:
@@ -131,7 +131,7 @@ class Reductions:
             for edit in choices
         ]
         for decimals in DECIMALS:
-            edits += rounded(state.document, decimals)
+            edits += make_roundings(state.document, decimals)
         return tuple(Proposal(base=state.document, edits=(edit,)) for edit in edits)
 
 
@@ -150,13 +150,13 @@ def smallest(state: State, reductions: Reductions) -> Search:
                 # With fewer actors each run is cheaper; with less time, too.
                 for name, alternatives in reductions.alternatives():
                     if name == "begin":
-                        state = yield from _recorded(state)
+                        state = yield from _record_run(state)
                     state = yield from _shorter(name, state, alternatives)
         for decimals in DECIMALS:
-            state = yield from _subset("numbers", state, rounded(state.document, decimals))
+            state = yield from _subset("numbers", state, make_roundings(state.document, decimals))
         if state.document != before:
             continue
-        state = yield from _recorded(state)
+        state = yield from _record_run(state)
         # All of these have been answered; the proof does not rest on the order of the passes.
         taken = yield Question(stage=PROOF, proposals=reductions.single(state))
         if taken is None:
@@ -170,7 +170,7 @@ def _later_starts(state: State) -> list[list[Edit]]:
     return later_starts(state.document, state.recording, state.failure.time)
 
 
-def _recorded(state: State) -> Search:
+def _record_run(state: State) -> Search:
     """Returns a state with the recording of its run."""
     if state.recording is not None or state.failure.time is None:
         return state

@@ -15,7 +15,7 @@ _KEPT = frozenset({"agent", "extensions", "reference_path", "step_length"})
 """Keys below which values are not of the scenario, or are how it is simulated or judged."""
 
 
-def rounded(document: ScenarioDocument, decimals: int) -> list[Edit]:
+def make_roundings(document: ScenarioDocument, decimals: int) -> list[Edit]:
     """Returns the rounding of each number that has more decimals."""
     return [
         Edit(

@@ -54,15 +54,15 @@ def differences(
 ) -> tuple[str, ...]:
     """Returns what a scenario lacks that was reduced from another one, one sentence each."""
     return (
-        *_removed_actors(before, after),
-        *_removed_settings(before, after),
+        *_describe_removed_actors(before, after),
+        *_describe_removed_settings(before, after),
         *_shorter_routes(before, after, network),
-        *_removed_waypoints(before, after),
+        *_describe_removed_waypoints(before, after),
         *_other_numbers(before, after),
     )
 
 
-def _removed_actors(before: ScenarioDocument, after: ScenarioDocument) -> Iterator[str]:
+def _describe_removed_actors(before: ScenarioDocument, after: ScenarioDocument) -> Iterator[str]:
     for key, name in (*ACTORS.items(), (PATCHES, "slippery patch")):
         kept = {actor.id for actor in getattr(after, key)}
         gone = [actor.id for actor in getattr(before, key) if actor.id not in kept]
@@ -76,7 +76,7 @@ def _removed_actors(before: ScenarioDocument, after: ScenarioDocument) -> Iterat
         yield f"{now.count} vehicles of background traffic instead of {was.count}."
 
 
-def _removed_settings(before: ScenarioDocument, after: ScenarioDocument) -> Iterator[str]:
+def _describe_removed_settings(before: ScenarioDocument, after: ScenarioDocument) -> Iterator[str]:
     kept = _settings(after)
     names = [name for name in _settings(before) if name not in kept]
     if names:
@@ -107,7 +107,7 @@ def _shorter_routes(
             yield f"The route of {ego} is {now:.0f} m long instead of {were[ego]:.0f} m."
 
 
-def _removed_waypoints(before: ScenarioDocument, after: ScenarioDocument) -> Iterator[str]:
+def _describe_removed_waypoints(before: ScenarioDocument, after: ScenarioDocument) -> Iterator[str]:
     were = _waypoints(before)
     for actor, now in _waypoints(after).items():
         if now < were.get(actor, now):

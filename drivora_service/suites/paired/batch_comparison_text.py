@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drivora_service.markdown_text import escaped, table
+from drivora_service.markdown_text import escape_markdown, table
 from drivora_service.suites.paired.batch_comparison import (
     SIGNIFICANT,
     BatchComparison,
@@ -29,9 +29,9 @@ _FAILS = {
 def comparison_markdown(comparison: BatchComparison) -> str:
     """Writes a comparison as Markdown."""
     lines = ["# Two batches on the same scenarios", "", comparison.sentence, ""]
-    lines += [f"- {name}: {escaped(line)}" for name, line in sides(comparison)]
-    lines += [f"- {escaped(line)}" for line in setting_lines(comparison)]
-    lines += [f"- Note: {escaped(note)}" for note in comparison.notes]
+    lines += [f"- {name}: {escape_markdown(line)}" for name, line in sides(comparison)]
+    lines += [f"- {escape_markdown(line)}" for line in describe_differences(comparison)]
+    lines += [f"- Note: {escape_markdown(note)}" for note in comparison.notes]
     lines += ["", "## Failures", "", how_to_read_failures(comparison), ""]
     lines += table(FAILURE_COLUMNS, map(failure_cells, failure_rows(comparison)))
     lines += ["", "## Metrics", "", how_to_read_metrics(), ""]
@@ -41,7 +41,7 @@ def comparison_markdown(comparison: BatchComparison) -> str:
     if unknown:
         lines += ["", f"Not measurable in any pair: {', '.join(unknown)}."]
     lines += ["", "## Pairs that tell A from B", ""]
-    telling = telling_pairs(comparison)
+    telling = discordant_pairs(comparison)
     rows = (pair_cells(comparison, pair) for pair in telling)
     lines += table(pair_columns(comparison), rows) if telling else ["None."]
     if comparison.left_out:
@@ -61,7 +61,7 @@ def sides(comparison: BatchComparison) -> tuple[tuple[str, str], ...]:
     return (("A", _side(comparison.a)), ("B", _side(comparison.b)))
 
 
-def setting_lines(comparison: BatchComparison) -> tuple[str, ...]:
+def describe_differences(comparison: BatchComparison) -> tuple[str, ...]:
     """Names each agent, parameter and version in which A and B differ."""
     return tuple(
         f"{one.name}: {one.a or '-'} (A), {one.b or '-'} (B)" for one in comparison.differences
@@ -127,14 +127,14 @@ def metric_cells(row: MetricComparison) -> tuple[str, ...]:
     )
 
 
-def telling_pairs(comparison: BatchComparison) -> tuple[PairResult, ...]:
+def discordant_pairs(comparison: BatchComparison) -> tuple[PairResult, ...]:
     """Returns the pairs in which A and B fail by other oracles, or only one fails."""
     return tuple(pair for pair in comparison.pairs if _oracles(pair.a) != _oracles(pair.b))
 
 
 def pair_columns(comparison: BatchComparison) -> tuple[str, ...]:
     """Returns the heads of the table of pairs; the last column is prose."""
-    names = (name.replace("_", " ") for name in _chosen(comparison))
+    names = (name.replace("_", " ") for name in _metric_names(comparison))
     measured = (f"{name} {side}" for name in names for side in "AB")
     seed = ("seed",) if _has_repetitions(comparison) else ()
     return ("scenario", *seed, "fails", "A", "B", *measured, FAILURES_OF_PAIR)
@@ -143,7 +143,7 @@ def pair_columns(comparison: BatchComparison) -> tuple[str, ...]:
 def pair_cells(comparison: BatchComparison, pair: PairResult) -> tuple[str, ...]:
     """Writes a row of the table of pairs."""
     both = (pair.a, pair.b)
-    measured = (value(run.metrics[name]) for name in _chosen(comparison) for run in both)
+    measured = (value(run.metrics[name]) for name in _metric_names(comparison) for run in both)
     seed = (str(pair.seed),) if _has_repetitions(comparison) else ()
     fails = _FAILS[pair.fails]
     failures = " → ".join(failures_in_words(run) for run in both)
@@ -170,15 +170,15 @@ def _with_interval(number: float | None, low: float | None, high: float | None) 
     if number is None:
         return "-"
     if low is None or high is None:
-        return _signed(number)
-    return f"{_signed(number)} [{_signed(low)}, {_signed(high)}]"
+        return _format_signed(number)
+    return f"{_format_signed(number)} [{_format_signed(low)}, {_format_signed(high)}]"
 
 
-def _signed(number: float) -> str:
+def _format_signed(number: float) -> str:
     return f"{number:+.3g}" if number else "0"
 
 
-def _chosen(comparison: BatchComparison) -> tuple[str, ...]:
+def _metric_names(comparison: BatchComparison) -> tuple[str, ...]:
     return tuple(comparison.pairs[0].a.metrics) if comparison.pairs else ()
 
 

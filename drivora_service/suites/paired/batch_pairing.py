@@ -38,7 +38,7 @@ from drivora_service.suites.paired.pairing import (
 )
 from drivora_service.suites.paired.pairing_notes import notes
 from drivora_service.suites.paired.sides import agents_in_words, setting_differences, title
-from drivora_service.suites.paired.standing_sentence import how_things_stand
+from drivora_service.suites.paired.standing_sentence import describe_outcome
 
 HEADLINE = "driving_score"
 """Metric of the rows of pairs if none is chosen."""
@@ -82,7 +82,7 @@ def compare_runs(
     check_metrics(metrics, known)
     chosen = tuple(dict.fromkeys(metrics))
     pairing = pair_runs(first.runs, second.runs)
-    judged, left_out = _judged(pairing, rules)
+    judged, left_out = _judge_pairs(pairing, rules)
     scenarios = _by_scenario(judged)
     failures, by_oracle = compare_failures(scenarios), compare_oracles(scenarios)
     differences = setting_differences(first.runs, second.runs)
@@ -99,7 +99,7 @@ def compare_runs(
     ]
     shown = chosen or tuple(name for name in known if name == HEADLINE)
     return BatchComparison(
-        sentence=how_things_stand(
+        sentence=describe_outcome(
             failures,
             a=titles[0],
             b=titles[1],
@@ -126,13 +126,13 @@ def compare_runs(
     )
 
 
-def _judged(pairing: Pairing, rules: Rules) -> tuple[list[JudgedPair], tuple[LeftOut, ...]]:
+def _judge_pairs(pairing: Pairing, rules: Rules) -> tuple[list[JudgedPair], tuple[LeftOut, ...]]:
     judged: list[JudgedPair] = []
-    left_out = [_unpaired(one) for one in pairing.unpaired]
+    left_out = [_leave_out_unpaired(one) for one in pairing.unpaired]
     for pair in pairing.pairs:
         a, b = rules.judge(pair.a), rules.judge(pair.b)
         if a is None or b is None:
-            left_out.append(_not_judged(pair, a, b))
+            left_out.append(_leave_out_unjudged(pair, a, b))
         else:
             judged.append(JudgedPair(pair=pair, a=a, b=b))
     return judged, tuple(left_out)
@@ -145,7 +145,7 @@ def _by_scenario(judged: Iterable[JudgedPair]) -> Mapping[str, Sequence[JudgedPa
     return found
 
 
-def _unpaired(one: Unpaired) -> LeftOut:
+def _leave_out_unpaired(one: Unpaired) -> LeftOut:
     run = one.a or one.b
     assert run is not None  # one of them is there, for the type checker
     message = _WORDS.get(one.reason, "")
@@ -161,7 +161,7 @@ def _unpaired(one: Unpaired) -> LeftOut:
     )
 
 
-def _not_judged(pair: Pair, a: Judged | None, b: Judged | None) -> LeftOut:
+def _leave_out_unjudged(pair: Pair, a: Judged | None, b: Judged | None) -> LeftOut:
     missing = [
         (name, run) for name, run, judged in (("A", pair.a, a), ("B", pair.b, b)) if judged is None
     ]

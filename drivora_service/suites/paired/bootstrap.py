@@ -37,13 +37,13 @@ def mean_intervals(
         ``None`` for a column with fewer than two values; both ends are the mean where all are the
         same.
     """
-    means = _drawn_means(values, resamples, seed)
+    means = _resample_means(values, resamples, seed)
     return tuple(
         _interval(values[:, column], means[:, column]) for column in range(values.shape[1])
     )
 
 
-def _drawn_means(values: NDArray[np.float64], resamples: int, seed: int) -> NDArray[np.float64]:
+def _resample_means(values: NDArray[np.float64], resamples: int, seed: int) -> NDArray[np.float64]:
     """Returns the mean of each column in each drawn sample; NaN where it drew no value."""
     known = np.isfinite(values)
     filled = np.where(known, values, 0.0)

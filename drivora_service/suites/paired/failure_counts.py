@@ -80,7 +80,7 @@ def compare_oracles(scenarios: Scenarios) -> tuple[FailureComparison, ...]:
         for name, _ in sorted(frequent.items(), key=lambda item: (-item[1], item[0]))
     ]
     corrected = holm([one.p for one in found])
-    return tuple(_judged(one, p) for one, p in zip(found, corrected, strict=True))
+    return tuple(_add_judgement(one, p) for one, p in zip(found, corrected, strict=True))
 
 
 def _by_oracle(scenarios: Scenarios, oracle: str) -> FailureComparison:
@@ -127,10 +127,10 @@ def _comparison(
         p_holm=p,
         judgement=PairedJudgement.UNDECIDED,
     )
-    return _judged(compared, p)
+    return _add_judgement(compared, p)
 
 
-def _judged(compared: FailureComparison, p_holm: float) -> FailureComparison:
+def _add_judgement(compared: FailureComparison, p_holm: float) -> FailureComparison:
     judgement = PairedJudgement.UNDECIDED
     if p_holm < SIGNIFICANT:
         fewer = compared.b_only < compared.a_only

@@ -97,7 +97,7 @@ class Rules:
             if self.oracles or run.status not in _COUNTED[self.unfinished]:
                 return None
             status = str(run.status)
-            found = FailureFound(oracle=status, sentence=_ending(run))
+            found = FailureFound(oracle=status, sentence=_describe_ending(run))
             return Judged(failures={status: found}, not_measurable=frozenset(), oracles=frozenset())
         verdicts = [verdict for verdict in run.verdicts if self._looks_at(verdict)]
         failing: dict[str, list[Verdict]] = {}
@@ -106,7 +106,7 @@ class Rules:
                 failing.setdefault(verdict.oracle, []).append(verdict)
         unknown = {v.oracle for v in verdicts if v.outcome is Outcome.NOT_MEASURABLE}
         return Judged(
-            failures={oracle: _found(found, run) for oracle, found in failing.items()},
+            failures={oracle: _make_failure_found(found, run) for oracle, found in failing.items()},
             not_measurable=frozenset(unknown - failing.keys()),
             oracles=run.oracles & self.oracles if self.oracles else run.oracles,
         )
@@ -124,7 +124,7 @@ class Rules:
         return accountability(verdict) in COUNTED[self.counted]
 
 
-def _found(verdicts: Collection[Verdict], run: PairedRun) -> FailureFound:
+def _make_failure_found(verdicts: Collection[Verdict], run: PairedRun) -> FailureFound:
     first = min(verdicts, key=lambda verdict: (verdict.time is None, verdict.time or 0.0))
     return FailureFound(
         oracle=first.oracle,
@@ -134,6 +134,6 @@ def _found(verdicts: Collection[Verdict], run: PairedRun) -> FailureFound:
     )
 
 
-def _ending(run: PairedRun) -> str:
+def _describe_ending(run: PairedRun) -> str:
     cause = f": {run.cause.replace('_', ' ')}" if run.cause else ""
     return f"The run ended without a judgement{cause}."

@@ -71,7 +71,7 @@ def compare_metrics(
     intervals = mean_intervals(differences)
     p_values = flip_p_values(differences)
     compared = [
-        _compared(name, known[:, column], mean_a[:, column], mean_b[:, column], interval, p)
+        _compare_metric(name, known[:, column], mean_a[:, column], mean_b[:, column], interval, p)
         for column, (name, interval, p) in enumerate(zip(metrics, intervals, p_values, strict=True))
     ]
     # A metric without any difference cannot be significant: it needs no correction.
@@ -79,7 +79,7 @@ def compare_metrics(
     corrected = dict(
         zip((row.metric for row in differing), holm([row.p for row in differing]), strict=True)
     )
-    return tuple(_judged(row, corrected.get(row.metric, 1.0)) for row in compared)
+    return tuple(_add_judgement(row, corrected.get(row.metric, 1.0)) for row in compared)
 
 
 def _values(runs: Sequence[PairedRun], metrics: Sequence[str]) -> Values:
@@ -103,7 +103,7 @@ def _by_scenario(
     return np.where(counts > 0.0, sums / np.maximum(counts, 1.0), np.nan)
 
 
-def _compared(
+def _compare_metric(
     name: str,
     known: NDArray[np.bool_],
     mean_a: Values,
@@ -134,7 +134,7 @@ def _compared(
     )
 
 
-def _judged(row: MetricComparison, p_holm: float) -> MetricComparison:
+def _add_judgement(row: MetricComparison, p_holm: float) -> MetricComparison:
     judgement = PairedJudgement.UNDECIDED
     if p_holm < SIGNIFICANT and row.difference:
         rises = row.difference > 0.0

@@ -70,7 +70,7 @@ class PairedRun:
         return self.label or f"{self.scenario.town} ({self.scenario.content[:_SHORT]})"
 
 
-def driven_scenario(document: str) -> DrivenScenario:
+def read_driven_scenario(document: str) -> DrivenScenario:
     """Returns what a scenario has the egos drive, regardless of the agents that drive them.
 
     The free data of other tools (``extensions``) is left out: it is never interpreted.

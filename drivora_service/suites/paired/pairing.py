@@ -74,26 +74,26 @@ def pair_runs(first: Sequence[PairedRun], second: Sequence[PairedRun]) -> Pairin
     """Pairs the runs of two batches; pairs are in the order of the first batch."""
     left_a, left_b = list(first), list(second)
     pairs: list[Pair] = []
-    for key in (_labelled, _driven):
-        found, left_a, left_b = _matched(key, left_a, left_b)
+    for key in (_label_and_content, _content_and_seed):
+        found, left_a, left_b = _match_runs(key, left_a, left_b)
         pairs += [Pair(a=a, b=b) for a, b in found]
     place = {run.id: number for number, run in enumerate(first)}
     pairs.sort(key=lambda pair: place[pair.a.id])
     unpaired: list[Unpaired] = []
-    same, left_a, left_b = _matched(_content, left_a, left_b)
+    same, left_a, left_b = _match_runs(_content, left_a, left_b)
     unpaired += [Unpaired(reason=LeftOutReason.SEED_DIFFERS, a=a, b=b) for a, b in same]
-    named, left_a, left_b = _matched(_label, left_a, left_b)
+    named, left_a, left_b = _match_runs(_label, left_a, left_b)
     unpaired += [Unpaired(reason=LeftOutReason.SCENARIO_DIFFERS, a=a, b=b) for a, b in named]
     unpaired += [Unpaired(reason=LeftOutReason.ONLY_A, a=run) for run in left_a]
     unpaired += [Unpaired(reason=LeftOutReason.ONLY_B, b=run) for run in left_b]
     return Pairing(pairs=tuple(pairs), unpaired=tuple(unpaired))
 
 
-def _labelled(run: PairedRun) -> Hashable:
+def _label_and_content(run: PairedRun) -> Hashable:
     return run.label, run.scenario.content, run.seed
 
 
-def _driven(run: PairedRun) -> Hashable:
+def _content_and_seed(run: PairedRun) -> Hashable:
     return run.scenario.content, run.seed
 
 
@@ -106,7 +106,7 @@ def _label(run: PairedRun) -> Hashable:
     return run.label or run.id
 
 
-def _matched(
+def _match_runs(
     key: _Key, first: Sequence[PairedRun], second: Sequence[PairedRun]
 ) -> tuple[list[tuple[PairedRun, PairedRun]], list[PairedRun], list[PairedRun]]:
     """Matches runs of the same key in their order; returns those that remain in their order."""

@@ -34,13 +34,15 @@ def setting_differences(
         theirs = agents_b.get(agent, {})
         # Runs that were not simulated know no parameters.
         if mine and theirs:
-            found += _differing(f"{agent}.", mine, theirs, tuple(dict.fromkeys((*mine, *theirs))))
+            found += _find_differences(
+                f"{agent}.", mine, theirs, tuple(dict.fromkeys((*mine, *theirs)))
+            )
     mine, theirs = _versions(first), _versions(second)
-    found += _differing(_VERSION, mine, theirs, [name for name in mine if name in theirs])
+    found += _find_differences(_VERSION, mine, theirs, [name for name in mine if name in theirs])
     return tuple(found)
 
 
-def _differing(
+def _find_differences(
     prefix: str, a: _Values, b: _Values, names: Sequence[str]
 ) -> Iterator[SettingDifference]:
     for name in names:

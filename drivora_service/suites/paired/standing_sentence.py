@@ -11,7 +11,7 @@ _ANSWERS = {
 }
 
 
-def how_things_stand(
+def describe_outcome(
     failures: FailureComparison, *, a: str = "", b: str = "", has_repetitions: bool = False
 ) -> str:
     """Returns the sentence.

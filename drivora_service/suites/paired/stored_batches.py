@@ -11,7 +11,11 @@ from drivora_service.store.runs.run_records import JobFilter, RunSummary
 from drivora_service.suites.paired.batch_comparison import BatchComparison
 from drivora_service.suites.paired.batch_pairing import BatchRuns, compare_runs
 from drivora_service.suites.paired.failure_rules import Rules
-from drivora_service.suites.paired.paired_runs import DrivenScenario, PairedRun, driven_scenario
+from drivora_service.suites.paired.paired_runs import (
+    DrivenScenario,
+    PairedRun,
+    read_driven_scenario,
+)
 
 _PAGE = 500
 
@@ -80,7 +84,7 @@ def _read_scenarios(
 ) -> None:
     wanted = {job.scenario_sha256 for job in jobs} - scenarios.keys()
     for sha256, document in transaction.jobs.documents(sorted(wanted)).items():
-        scenarios[sha256] = driven_scenario(document)
+        scenarios[sha256] = read_driven_scenario(document)
 
 
 def _run(job: RunSummary, scenario: DrivenScenario, report: RunReport | None) -> PairedRun:

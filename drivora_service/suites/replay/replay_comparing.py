@@ -58,22 +58,22 @@ class Recording:
     lack: str = ""
 
 
-def why_not(original: Original) -> str:
+def explain_not_replayable(original: Original) -> str:
     """Returns why a run cannot be replayed, in words; "" if it can be."""
     run = original.run
     if not run.status.is_final:
         return f"it has not ended: it is {run.status}"
     if run.status in _WITHOUT_RESULT or run.cause == _QUARANTINED:
-        return f"it has no result to compare with, {_ending(run)}"
+        return f"it has no result to compare with, {_describe_ending(run)}"
     if run.status is RunStatus.FINISHED and not _hash(run):
         return "the hash of its trace is not stored"
     return ""
 
 
-def not_replayed(original: Original, reason: str) -> Replay:
+def make_not_replayed(original: Original, reason: str) -> Replay:
     """Returns the outcome of a run that was not run again."""
     return Replay(
-        run=_compared(original.run),
+        run=_make_compared_run(original.run),
         outcome=ReplayOutcome.NOT_REPLAYED,
         reason=reason,
     )
@@ -90,17 +90,21 @@ def compare(original: Original, again: RunRecord, before: Recording, after: Reco
     """
     run = original.run
     compared = Replay(
-        run=_compared(run),
-        replay=_compared(again),
+        run=_make_compared_run(run),
+        replay=_make_compared_run(again),
         outcome=ReplayOutcome.NOT_REPLAYED,
         versions=version_differences(original, again, before, after),
     )
     if again.status in _WITHOUT_RESULT or again.cause == _QUARANTINED:
         said = f": {again.error.message}" if again.error else ""
-        return replace(compared, reason=f"its replay has no result, {_ending(again)}{said}")
+        return replace(
+            compared, reason=f"its replay has no result, {_describe_ending(again)}{said}"
+        )
     reasons = []
     if (run.status, run.cause) != (again.status, again.cause):
-        reasons.append(f"it ended as {_ending(run)}, its replay as {_ending(again)}")
+        reasons.append(
+            f"it ended as {_describe_ending(run)}, its replay as {_describe_ending(again)}"
+        )
     if _hash(run) != _hash(again):
         reasons.append("the hashes of the traces differ")
     difference = None
@@ -186,7 +190,7 @@ def _divergence(difference: TraceDifference | None) -> Divergence | None:
     )
 
 
-def _compared(run: RunRecord) -> ComparedRun:
+def _make_compared_run(run: RunRecord) -> ComparedRun:
     return combine(ComparedRun, run, trace_sha256=_hash(run))
 
 
@@ -195,6 +199,6 @@ def _hash(run: RunRecord) -> str:
     return run.simulation_sha256 or run.trace_sha256
 
 
-def _ending(run: RunRecord) -> str:
+def _describe_ending(run: RunRecord) -> str:
     cause = f" ({run.cause})" if run.cause else ""
     return f"{run.status.replace('_', ' ')}{cause}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from drivora_service.markdown_text import Markdown, escaped, table
+from drivora_service.markdown_text import Markdown, escape_markdown, table
 from drivora_service.suites.gate.gate_decision import ClassifiedFailure
 from drivora_service.suites.reports.suite_report import SuiteReport
 
@@ -19,11 +19,11 @@ def summary_markdown(report: SuiteReport) -> str:
 def _lines(report: SuiteReport) -> Iterator[str]:
     decision, results = report.decision, report.results
     mark = "❌" if decision.fails else "✅"
-    yield f"## {mark} {escaped(results.suite)}: {escaped(report.subject)}"
+    yield f"## {mark} {escape_markdown(results.suite)}: {escape_markdown(report.subject)}"
     yield ""
-    yield f"{escaped(decision.sentence)}."
+    yield f"{escape_markdown(decision.sentence)}."
     for reason in decision.reasons:
-        yield f"- {escaped(reason)}"
+        yield f"- {escape_markdown(reason)}"
     if decision.failures:
         yield ""
         rows = [
@@ -48,7 +48,7 @@ def _lines(report: SuiteReport) -> Iterator[str]:
         yield ""
         yield "Known failures that did not occur:"
         for name, reason in gone[:_MOST_ROWS]:
-            yield f"- {escaped(name)}: {escaped(reason)}"
+            yield f"- {escape_markdown(name)}: {escape_markdown(reason)}"
     for what, names in (
         ("Not in the baseline, or changed since", decision.not_in_baseline),
         ("In the baseline, and not run", decision.not_run),
@@ -56,7 +56,7 @@ def _lines(report: SuiteReport) -> Iterator[str]:
         if names:
             more = "" if len(names) <= _MOST_ROWS else f" and {len(names) - _MOST_ROWS} more"
             yield ""
-            yield f"{what}: {escaped(', '.join(names[:_MOST_ROWS]))}{more}"
+            yield f"{what}: {escape_markdown(', '.join(names[:_MOST_ROWS]))}{more}"
 
 
 def _class(one: ClassifiedFailure, *, has_baseline: bool) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 import torch
 
 from drivora_service.agents.imitation.weights import load_weights
-from drivora_service.training.imitation import RECIPES, held_out_samples
+from drivora_service.training.imitation import RECIPES, record_held_out_samples
 from drivora_service.training.weight_exchange import put_weights
 
 EVERY = 40
@@ -31,7 +31,7 @@ def main(folder: Path, agents: list[str]) -> None:
         trainee = recipe.trainee()
         put_weights(load_weights(recipe.weights), trainee.parts())
         trainee.modules.eval()
-        samples = held_out_samples(recipe, 2)
+        samples = record_held_out_samples(recipe, 2)
         seen = samples.seen[::EVERY]
         with torch.no_grad():
             waypoints = trainee.waypoints(torch.from_numpy(seen)).numpy()

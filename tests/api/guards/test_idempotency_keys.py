@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from fastapi import Request
 
-from drivora_service.api.guards.idempotency_keys import Answer, Work, done_once
+from drivora_service.api.guards.idempotency_keys import Answer, Work, run_once
 from drivora_service.api.problem_details import ApiError
 from tests.api.conftest import Offline
 
@@ -53,8 +53,8 @@ def test_a_request_that_comes_while_the_first_is_being_done(offline: Offline) ->
 
     def prepare() -> Work:
         with pytest.raises(ApiError) as refused:
-            done_once(request, offline.context, "key", b"body", lambda: work)
+            run_once(request, offline.context, "key", b"body", lambda: work)
         assert refused.value.status == 409
         return work
 
-    assert done_once(request, offline.context, "key", b"body", prepare).status_code == 202
+    assert run_once(request, offline.context, "key", b"body", prepare).status_code == 202

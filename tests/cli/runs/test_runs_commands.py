@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from drivora_service.api.documentation.recorded_examples import SCENARIO
-from drivora_service.cli.application.service_process import running_service
+from drivora_service.cli.application.service_process import run_service
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.database import open_database
 from tests.cli.conftest import Drivora
@@ -136,7 +136,7 @@ def test_a_command_that_can_store_nothing_ends_with_the_reason(
 def test_a_command_works_beside_a_service_on_the_same_data_folder(
     drivora: Drivora, scenario_file: Path, tmp_path: Path
 ) -> None:
-    with running_service(tmp_path / "data", workers=1) as url:
+    with run_service(tmp_path / "data", workers=1) as url:
         here = drivora("run", scenario_file, "--json")
         assert here.code == 0, here.err
         there = drivora("run", scenario_file, "--server", url, "--json").json()
@@ -171,7 +171,7 @@ def test_a_service_leaves_the_runs_of_a_living_command_alone(
 ) -> None:
     process = start_run(tmp_path, many)
     wait_for_status(tmp_path, process, RunStatus.RUNNING)
-    with running_service(tmp_path / "data", workers=2):
+    with run_service(tmp_path / "data", workers=2):
         assert process.wait(120.0) == 0, (tmp_path / "run.log").read_text()
         statuses = [run["status"] for run in drivora("runs", "list", "--json").json()]
     assert statuses == ["finished"] * LONG

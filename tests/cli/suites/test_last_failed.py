@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.cli.suites.last_failed import last_failed, remember_failed
+from drivora_service.cli.suites.last_failed import read_last_failed, remember_failed
 from drivora_service.errors import ConfigurationError
 
 
@@ -16,14 +16,14 @@ def test_scenarios_that_the_suite_lost_are_forgotten(
     monkeypatch.chdir(tmp_path)
     suite = Path("suite.yaml")
     remember_failed(suite, ["old", "a"], not_run=["b"])
-    assert last_failed(suite, ["a", "b", "old"]) == {"old", "a"}
+    assert read_last_failed(suite, ["a", "b", "old"]) == {"old", "a"}
     # `old` was removed from the suite: it cannot be run again.
-    assert last_failed(suite, ["a", "b"]) == {"a"}
+    assert read_last_failed(suite, ["a", "b"]) == {"a"}
     with pytest.raises(ConfigurationError, match="no scenario of suite"):
-        last_failed(suite, ["b"])
+        read_last_failed(suite, ["b"])
     remember_failed(suite, [], not_run=["b"])
     with pytest.raises(ConfigurationError, match="failed the last time"):
-        last_failed(suite, ["a", "b", "old"])
+        read_last_failed(suite, ["a", "b", "old"])
 
 
 def test_scenarios_that_were_not_run_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -31,4 +31,4 @@ def test_scenarios_that_were_not_run_stay(tmp_path: Path, monkeypatch: pytest.Mo
     suite = Path("suite.yaml")
     remember_failed(suite, ["a", "b"], not_run=[])
     remember_failed(suite, [], not_run=["b"])
-    assert last_failed(suite, ["a", "b"]) == {"b"}
+    assert read_last_failed(suite, ["a", "b"]) == {"b"}

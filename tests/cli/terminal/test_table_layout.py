@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivora_service.cli.terminal.table_layout import shortened, table_lines, table_of
+from drivora_service.cli.terminal.table_layout import shorten_text, table_lines, table_of
 
 KINDS = (
     "kind",
@@ -87,8 +87,8 @@ def test_heads_break_at_spaces_before_anything_is_cut() -> None:
 
 
 def test_the_middle_of_a_text_is_left_out() -> None:
-    assert shortened("abcdefghij", 7) == "abc…hij"
-    assert shortened("abcdefg", 7) == "abcdefg"
+    assert shorten_text("abcdefghij", 7) == "abc…hij"
+    assert shorten_text("abcdefg", 7) == "abcdefg"
 
 
 def test_escape_sequences_do_not_reach_the_terminal() -> None:
@@ -108,4 +108,4 @@ def test_nothing_but_the_middle_of_cut_columns_is_lost(
     for first, second, third in rows:
         assert first in shown
         assert second in shown
-        assert shortened(third, 14)[:1] in shown
+        assert shorten_text(third, 14)[:1] in shown

@@ -51,7 +51,7 @@ def _check_item(item: object, data: bytes) -> bool:
     known = agents().availability()
     try:
         scenario = read_batch_scenario(item)
-        scenario.checked(lambda document: validate_data(document, networks(), known))
+        scenario.check_document(lambda document: validate_data(document, networks(), known))
     except InvalidDocument as error:
         check_problems(error, data, "json")
         return False

@@ -10,9 +10,9 @@ from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.networks.importing.staging import (
     UPLOADING,
     make_stage,
+    open_stage,
     publish,
     remove_left_uploads,
-    staging,
 )
 
 
@@ -60,7 +60,7 @@ def test_a_network_is_there_at_any_time_while_it_is_replaced(tmp_path: Path) -> 
 
 def test_only_uploads_are_removed_at_the_start_of_a_service(tmp_path: Path) -> None:
     publish(made(tmp_path, "town", "0"), tmp_path / "town", replace=False)
-    with staging(tmp_path) as of_a_command:
+    with open_stage(tmp_path) as of_a_command:
         remove_left_uploads(tmp_path)
         assert {path.name for path in tmp_path.iterdir()} == {"town", of_a_command.name}
     remove_left_uploads(tmp_path / "none")

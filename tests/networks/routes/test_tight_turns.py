@@ -104,9 +104,9 @@ def test_ways_of_a_search_end_where_the_road_ends(arms: RoadNetwork) -> None:
 
 def test_background_traffic_leaves_where_the_road_ends(arms: RoadNetwork) -> None:
     wanderers = Wanderers(arms, None, np.random.default_rng(1))
-    assert wanderers.route_from("middle_north") == ["middle_north"]
+    assert wanderers.draw_route("middle_north") == ["middle_north"]
     for _ in range(20):
-        route = wanderers.route_from("west_middle")
+        route = wanderers.draw_route("west_middle")
         assert route[-1] in ("middle_north", "middle_south", "middle_east")
 
 

@@ -16,7 +16,7 @@ from drivora_service.oracles.laws.law_schema import (
     schema_text,
     shipped_laws,
 )
-from drivora_service.oracles.laws.sources import LawSource, law_source, law_sources
+from drivora_service.oracles.laws.sources import LawSource, read_law_source, read_law_sources
 from drivora_service.oracles.verdict import Severity
 
 GOOD = """\
@@ -153,14 +153,14 @@ def test_bytes_that_are_no_text_are_refused() -> None:
 def test_files_of_a_folder(tmp_path: Path) -> None:
     for name in ("b.yaml", "a.yml", ".hidden.yaml", "notes.txt"):
         (tmp_path / name).write_text(GOOD)
-    assert [source.file for source in law_sources(tmp_path)] == ["a.yml", "b.yaml"]
-    assert law_sources(tmp_path / "nowhere") == ()
-    assert law_sources(None) == ()
+    assert [source.file for source in read_law_sources(tmp_path)] == ["a.yml", "b.yaml"]
+    assert read_law_sources(tmp_path / "nowhere") == ()
+    assert read_law_sources(None) == ()
 
 
 def test_a_file_that_cannot_be_read(tmp_path: Path) -> None:
     (tmp_path / "folder.yaml").mkdir()
-    (source,) = law_sources(tmp_path)
+    (source,) = read_law_sources(tmp_path)
     with pytest.raises(InvalidDocument, match="cannot be read"):
         read_laws(source)
 
@@ -175,4 +175,4 @@ def test_the_schema_is_current_and_describes_the_shipped_laws() -> None:
     assert files
     for path in files:
         validator.validate(yaml.safe_load(path.read_text()))
-        assert read_laws(law_source(path))
+        assert read_laws(read_law_source(path))

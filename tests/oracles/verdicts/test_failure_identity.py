@@ -57,7 +57,7 @@ def test_another_failure(other: Verdict) -> None:
     identity = identity_of(COLLISION)
     assert identity.is_of(COLLISION)
     assert not identity.is_of(other)
-    assert identity.found_in([other]) is None
+    assert identity.find_in([other]) is None
 
 
 @pytest.mark.parametrize(
@@ -82,7 +82,7 @@ def test_a_failure_without_a_place_is_the_same_without_a_place() -> None:
 
 def test_the_earliest_of_several_is_found() -> None:
     later, earlier = replace(COLLISION, time=9.0), replace(COLLISION, time=2.0)
-    assert identity_of(COLLISION).found_in([later, earlier, replace(earlier, ego="x")]) is earlier
+    assert identity_of(COLLISION).find_in([later, earlier, replace(earlier, ego="x")]) is earlier
 
 
 def test_what_is_gravest() -> None:

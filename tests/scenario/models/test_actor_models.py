@@ -12,7 +12,7 @@ from drivora_service.scenario.models.actor_models import (
     VehicleClass,
     actor_model,
     model_names,
-    resized,
+    resize_model,
 )
 
 
@@ -91,5 +91,5 @@ def test_every_name_finds_itself() -> None:
 
 def test_resized() -> None:
     cone = actor_model(ActorKind.OBSTACLE, "trafficcone01")
-    assert resized(cone, 2.0, None).length == 2.0
-    assert resized(cone, None, None) == cone
+    assert resize_model(cone, 2.0, None).length == 2.0
+    assert resize_model(cone, None, None) == cone

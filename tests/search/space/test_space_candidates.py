@@ -15,9 +15,12 @@ from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import NpcBehavior
 from drivora_service.scenario.validation import scenario_problems
 from drivora_service.search.space.scenario_space import ScenarioSpace
-from drivora_service.search.space.space_candidates import ScenarioCandidates, remembering_routes
+from drivora_service.search.space.space_candidates import (
+    ScenarioCandidates,
+    make_cached_route_check,
+)
 from drivora_service.search.space.space_options import SpaceOptions
-from drivora_service.simulation.followers.free_motion import planned_motions
+from drivora_service.simulation.followers.free_motion import plan_motions
 from tests.search.space.seeds import NETWORKS, drawn, space_around
 
 AGENTS = frozenset({"idm"})
@@ -50,7 +53,7 @@ SPACES: dict[str, Callable[[], ScenarioSpace]] = {
 def test_what_is_remembered_changes_no_candidate(name: str) -> None:
     space = SPACES[name]()
     candidates = ScenarioCandidates(
-        space=space, networks=NETWORKS, agents=AGENTS, motions=planned_motions
+        space=space, networks=NETWORKS, agents=AGENTS, motions=plan_motions
     )
     random = np.random.default_rng(5)
     for values in space.genes.sample(random, 6):
@@ -67,7 +70,7 @@ def test_what_is_remembered_changes_no_candidate(name: str) -> None:
 
 def test_the_routes_of_the_seeds_own_actors_are_checked_once() -> None:
     space = space_of_own_actors()
-    check = remembering_routes(space.seed)
+    check = make_cached_route_check(space.seed)
     own, _ = place_actors(space.seed, FrameTransform())
     for number in range(3):
         actors, _ = place_actors(space.scenario(drawn(space, number)), FrameTransform())
@@ -82,7 +85,7 @@ def test_the_same_route_is_told_of_each_actor_by_its_own_place() -> None:
     space = space_of_own_actors()
     first, *others = space.seed.npc_vehicles
     short = replace(first, behavior=NpcBehavior.SUMO, route=first.route[:1])
-    routes = remembering_routes(replace(space.seed, npc_vehicles=(short, *others)))
+    routes = make_cached_route_check(replace(space.seed, npc_vehicles=(short, *others)))
     for vehicles in ((short, *others), (*others, short)):
         scenario = replace(space.seed, npc_vehicles=vehicles)
         (problem,) = scenario_problems(scenario, NETWORKS, AGENTS, routes)

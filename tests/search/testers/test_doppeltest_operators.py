@@ -106,7 +106,7 @@ class TestSections:
     def test_removing_an_actor_does_not_move_the_others(self) -> None:
         egos, values = self.section()
         egos.remove(values, 2)
-        assert egos.taken(values) == [0, 1, 3]
+        assert egos.taken_slots(values) == [0, 1, 3]
         assert [path for path, _, _ in egos_of(values)] == [1, 2, 4]
 
     def test_a_slot_that_is_never_empty_is_filled_again(self) -> None:

@@ -345,7 +345,7 @@ class TestArchive:
         archive = Archive(0.1)
         archive.update(0, {"a": 0.11, "b": 0.1, "c": None})
         assert archive.covered == {"b"}
-        assert archive.uncovered(("a", "b", "c")).tolist() == [True, False, True]
+        assert archive.is_uncovered(("a", "b", "c")).tolist() == [True, False, True]
 
     def test_the_best_stays_and_the_first_of_equals(self) -> None:
         archive = Archive(0.0)

@@ -18,7 +18,7 @@ from drivora_service.search.testers.samota.ensemble import (
     validation_errors,
     weights,
 )
-from drivora_service.search.testers.samota.screening import relevant_features, screened
+from drivora_service.search.testers.samota.screening import add_screening, relevant_features
 from drivora_service.search.testers.samota.surrogates import (
     Fit,
     Kriging,
@@ -119,7 +119,7 @@ class TestScreening:
         truth = curved(known)
         scaled = (truth - truth.mean(axis=0)) / truth.std(axis=0)
         plain, better = validation_errors(
-            known, scaled, (fit, *screened(fit)), np.random.default_rng(0), folds=3
+            known, scaled, (fit, *add_screening(fit)), np.random.default_rng(0), folds=3
         )
         assert np.all(better < plain - 0.05)
         assert np.all(better < 0.75)

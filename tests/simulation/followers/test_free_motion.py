@@ -10,7 +10,7 @@ import pytest
 
 from drivora_service.observations.trace import Col, Trace
 from drivora_service.scenario.model import FrictionPatch, Scenario, Weather, WeatherChange
-from drivora_service.simulation.followers.free_motion import planned_motions
+from drivora_service.simulation.followers.free_motion import plan_motions
 from tests.simulation.episodes import (
     ROAD,
     car,
@@ -76,7 +76,7 @@ def changing(behavior: str) -> Scenario:
 
 def compared(what: Scenario) -> tuple[Trace, dict[str, tuple[np.ndarray, np.ndarray]]]:
     trace = run(what, standing())
-    motions = planned_motions(what, network(), float(trace.times[-1]))
+    motions = plan_motions(what, network(), float(trace.times[-1]))
     assert [m.id for m in motions] == ["npc", "slow", "parked", "walker", "box"]
     return trace, {m.id: (m.poses, m.present) for m in motions}
 
@@ -94,7 +94,7 @@ def test_actors_that_do_not_react_move_as_planned(scene: Callable[[str], Scenari
 def test_ice_and_the_weather_of_its_time_slow_what_joins() -> None:
     what = changing("replay")
     poses = {
-        name: planned_motions(scene, network(), 9.0)[0].poses
+        name: plan_motions(scene, network(), 9.0)[0].poses
         for name, scene in (
             ("told", what),
             ("dry", replace(what, weather_changes=())),

@@ -108,7 +108,7 @@ def test_its_runs_that_have_ended_and_the_others(database: Database) -> None:
     finish(database, owner, finished("run-0", "collision"), finished("run-1"))
     with database.read() as transaction:
         reports = list(transaction.minimizations.reports(one.id))
-        unfinished = transaction.minimizations.unfinished(one.id)
+        unfinished = transaction.minimizations.unfinished_runs(one.id)
     assert sorted(report.run_id for report in reports) == ["run-0", "run-1"]
     assert unfinished == ("run-2",)
 

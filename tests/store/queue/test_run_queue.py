@@ -186,9 +186,9 @@ def test_a_full_queue_takes_nothing_of_a_submission_too_large(database: Database
         transaction.jobs.submit([new_run(str(n)) for n in range(3)], queue_limit=10)
     assert (caught.value.queued, caught.value.limit) == (8, 10)
     with database.write() as transaction:
-        assert transaction.jobs.queued() == 8
+        assert transaction.jobs.count_queued_runs() == 8
         transaction.jobs.submit([new_run(str(n)) for n in range(2)], queue_limit=10)
-        assert transaction.jobs.queued() == 10
+        assert transaction.jobs.count_queued_runs() == 10
 
 
 def test_a_run_that_is_over_before_it_began_is_not_handed_out(database: Database) -> None:

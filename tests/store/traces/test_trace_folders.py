@@ -66,11 +66,11 @@ def test_a_stored_trace_is_read_listed_and_removed(places: TracePlaces) -> None:
     assert trace_sha256(read_trace(traces.path("02ab"))) == trace_sha256(OTHER)
     assert traces.path("02ab").name == "02ab.parquet"
     assert list(traces.run_ids_by_folder()) == [("01ab", "02ab"), ("01cd",)]
-    assert begun - 2.0 < traces.written_at("01ab") < time.time() + 2.0
+    assert begun - 2.0 < traces.modification_time("01ab") < time.time() + 2.0
     size = traces.path("01ab").stat().st_size
     assert traces.remove("01ab") == size
     assert not traces.path("01ab").is_file()
-    for refused in (traces.remove, traces.written_at):
+    for refused in (traces.remove, traces.modification_time):
         with pytest.raises(FileNotFoundError):
             refused("01ab")
     remove_stored(traces.address("02ab"))
@@ -98,7 +98,7 @@ def test_each_attempt_has_its_own_trace(places: TracePlaces) -> None:
     assert traces.prepare("01ab") == first
     assert trace_sha256(read_trace(traces.path("01ab", 3))) == trace_sha256(OTHER)
     assert traces.path("01ab", 3).name == "01ab.parquet"
-    assert traces.written_at("01ab") > 0.0
+    assert traces.modification_time("01ab") > 0.0
     assert list(run_ids(traces)) == ["01ab"]
     store_trace(TRACE, traces.prepare("02ab"))
     store_trace(TRACE, first)

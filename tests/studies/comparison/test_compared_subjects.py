@@ -19,7 +19,7 @@ from drivora_service.store.campaigns.campaign_records import (
     CampaignRequest,
     CampaignState,
 )
-from drivora_service.studies.comparison.compared_subjects import compared_campaigns
+from drivora_service.studies.comparison.compared_subjects import make_compared_campaigns
 from tests.studies.computed_study import campaign_content
 
 
@@ -50,7 +50,7 @@ def record(seed: int, **changes: Any) -> CampaignRecord:
 
 
 def methods(catalogues: Catalogues, *records: CampaignRecord) -> list[str]:
-    compared = compared_campaigns(records, catalogues.testers)
+    compared = make_compared_campaigns(records, catalogues.testers)
     return [campaign.subject.method for campaign in compared]
 
 
@@ -120,14 +120,16 @@ def test_scenarios_of_one_town_are_told_apart_by_what_is_in_them(catalogues: Cat
     other["seed"] = 2
     driven = copy.deepcopy(campaign_content()["scenario"])
     driven["ego_vehicles"][0]["agent"] = {"name": "sumo-idm"}
-    compared = compared_campaigns(
+    compared = make_compared_campaigns(
         [record(1), record(2, scenario=other), record(3, scenario=driven)], catalogues.testers
     )
     names = [campaign.subject.scenario for campaign in compared]
     # The agent is the campaign's choice, and no part of the scenario.
     assert names[0] == names[2] != names[1]
     assert all(name.startswith("tee-town (") for name in names)
-    assert compared_campaigns([record(1)], catalogues.testers)[0].subject.scenario == "tee-town"
+    assert (
+        make_compared_campaigns([record(1)], catalogues.testers)[0].subject.scenario == "tee-town"
+    )
 
 
 @pytest.mark.parametrize(
@@ -143,14 +145,16 @@ def test_campaigns_that_differ_in_more_than_the_method_are_refused(
     catalogues: Catalogues, changes: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(CampaignError, match=f"id-1 .* and id-2 .* the method: {message}"):
-        compared_campaigns([record(1), record(2, **changes)], catalogues.testers)
+        make_compared_campaigns([record(1), record(2, **changes)], catalogues.testers)
 
 
 def test_other_drivers_and_other_roads_are_refused(catalogues: Catalogues) -> None:
     with pytest.raises(CampaignError, match="agent: idm and sumo-idm"):
-        compared_campaigns([record(1), replace(record(2), agent="sumo-idm")], catalogues.testers)
+        make_compared_campaigns(
+            [record(1), replace(record(2), agent="sumo-idm")], catalogues.testers
+        )
     with pytest.raises(CampaignError, match="road network: 00000000 and 11111111"):
-        compared_campaigns(
+        make_compared_campaigns(
             [record(1), replace(record(2), network_sha256="1" * 64)], catalogues.testers
         )
 
@@ -167,4 +171,4 @@ def test_campaigns_that_have_not_finished_are_refused(
 ) -> None:
     begun = replace(record(2), state=state, counts=CampaignCounts(evaluations=5, judged=5))
     with pytest.raises(CampaignError, match=f"{state} after 5 of 12 simulations.*{hint}"):
-        compared_campaigns([record(1), begun], catalogues.testers)
+        make_compared_campaigns([record(1), begun], catalogues.testers)

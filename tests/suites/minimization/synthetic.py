@@ -62,7 +62,7 @@ def answered(
     results = dict(told or {})
     running: dict[str, Trial] = {}
     while not made.is_over:
-        for trial in made.wanted(workers):
+        for trial in made.choose_trials(workers):
             if trial.key in results:
                 made.tell(trial.key, results[trial.key])
                 break

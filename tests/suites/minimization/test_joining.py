@@ -6,7 +6,7 @@ import numpy as np
 
 from drivora_service.scenario.documents import ScenarioDocument, parse_document
 from drivora_service.suites.minimization import removals
-from drivora_service.suites.minimization.edits import edited
+from drivora_service.suites.minimization.edits import apply_edits
 from drivora_service.suites.minimization.later_starts import Recording, later_starts
 
 EGO = {"id": "ego", "model": "audi.tt", "route": [{"x": 0.0, "y": 0.0}, {"x": 90.0, "y": 0.0}]}
@@ -44,7 +44,7 @@ def test_every_change_of_the_weather_and_every_value_of_it_may_go() -> None:
         "without weather_changes 1 weather fog_density",
         "without weather_changes 1 weather wetness",
     ]
-    less = edited(
+    less = apply_edits(
         document,
         [edits["without weather_changes 0"], edits["without weather_changes 1 weather wetness"]],
     )
@@ -67,7 +67,7 @@ def test_a_later_start_has_the_weather_and_the_actors_of_its_time() -> None:
     )
     document = changing()
     (choices,) = later_starts(document, recording, failed_at=10.0)
-    later = edited(document, [choices[1]])
+    later = apply_edits(document, [choices[1]])
     assert later is not None
     assert choices[1].label == "begins 5 s later"
     assert (later.weather.wetness, later.weather.fog_density) == (90.0, 5.0)

@@ -17,7 +17,7 @@ from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import NpcVehicleDocument, NpcWalkerDocument
 from drivora_service.scenario.exporting import to_document
 from drivora_service.scenario.validation import validate_data, validate_document
-from drivora_service.suites.minimization.edits import edited
+from drivora_service.suites.minimization.edits import apply_edits
 from drivora_service.suites.minimization.later_starts import (
     BEFORE_S,
     later_starts,
@@ -56,7 +56,7 @@ def test_actors_begin_where_they_were(name: str, tmp_path: Path) -> None:
     ]
     for seconds, choice in zip(BEFORE_S, choices[:: len(choices) // 3], strict=False):
         begin = 12.0 - seconds
-        later = edited(document, [choice])
+        later = apply_edits(document, [choice])
         assert later is not None
         row = int(np.argmin(np.abs(trace.times - begin)))
         rows = {actor.id: actor.row for actor in trace.actors}

@@ -39,10 +39,10 @@ def message(work: Work) -> str:
 
 
 def test_runs_that_are_not_needed_any_more_count_before_the_end(work: Work) -> None:
-    (wanted,) = work.wanted(2)
+    (wanted,) = work.choose_runs(2)
     assert wanted.run_id is not None
     work.resume([finished(wanted.run_id).report], ["ahead"])
-    assert work.wanted(2) == ()
+    assert work.choose_runs(2) == ()
     assert message(work) == ""
     work.take(finished("ahead").report)
     assert message(work).startswith("failed: the scenario")
@@ -51,18 +51,18 @@ def test_runs_that_are_not_needed_any_more_count_before_the_end(work: Work) -> N
 
 
 def test_runs_that_were_cancelled_with_their_process_are_made_again(work: Work) -> None:
-    (wanted,) = work.wanted(2)
+    (wanted,) = work.choose_runs(2)
     assert wanted.run_id is not None
     work.resume([cancelled(f"{number}") for number in range(5)], [])
-    assert [run.run_id for run in work.wanted(2)] == [wanted.run_id]
+    assert [run.run_id for run in work.choose_runs(2)] == [wanted.run_id]
     assert message(work) == ""
 
 
 def test_what_is_lost_and_not_needed_any_more_does_no_harm(work: Work) -> None:
-    (wanted,) = work.wanted(2)
+    (wanted,) = work.choose_runs(2)
     assert wanted.run_id is not None
     work.resume([finished(wanted.run_id).report], [f"{number}" for number in range(3)])
-    assert work.wanted(2) == ()
+    assert work.choose_runs(2) == ()
     for number in range(3):
         assert message(work) == ""
         work.take(cancelled(f"{number}"))
@@ -73,5 +73,5 @@ def test_runs_that_are_lost_again_and_again_end_it(work: Work) -> None:
     for number in range(3):
         assert message(work) == ""
         work.take(cancelled(f"{number}"))
-    assert work.wanted(2) == ()
+    assert work.choose_runs(2) == ()
     assert message(work) == "failed: run 2 could not be performed"

@@ -229,7 +229,7 @@ def test_a_failure_that_does_not_come_again() -> None:
     answered(made, lambda _content: False)
     assert made.phase is Phase.NOT_REPRODUCED
     assert made.state is None
-    assert made.wanted(5) == ()
+    assert made.choose_trials(5) == ()
 
 
 def test_a_result_that_does_not_fail_again() -> None:

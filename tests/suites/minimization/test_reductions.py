@@ -14,9 +14,9 @@ from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.exporting import to_document
 from drivora_service.scenario.validation import validate_data
 from drivora_service.suites.minimization import removals
-from drivora_service.suites.minimization.edits import Edit, content_of, edited
+from drivora_service.suites.minimization.edits import Edit, apply_edits, content_of
 from drivora_service.suites.minimization.reduction_search import Proposal, Reductions, State
-from drivora_service.suites.minimization.rounding import DECIMALS, numbers, rounded
+from drivora_service.suites.minimization.rounding import DECIMALS, make_roundings, numbers
 from drivora_service.suites.minimization.scenario_sizes import differences, size_of
 from drivora_service.suites.minimization.shortening import (
     Failure,
@@ -87,8 +87,8 @@ def test_any_number_of_parts_can_be_left_out_at_once(path: Path, luck: random.Ra
     ]
     chosen = luck.sample(edits, luck.randint(0, len(edits)))
     shuffled = luck.sample(chosen, len(chosen))
-    less = edited(document, chosen)
-    assert less == edited(document, shuffled)
+    less = apply_edits(document, chosen)
+    assert less == apply_edits(document, shuffled)
     if less is None:
         return
     gone = {edit.label.rpartition(" ")[2] for edit in removals.actors(document, ego)
@@ -108,8 +108,8 @@ def test_any_number_of_parts_can_be_left_out_at_once(path: Path, luck: random.Ra
 @pytest.mark.parametrize("decimals", DECIMALS)
 def test_rounded_numbers_have_so_many_decimals(path: Path, decimals: int) -> None:
     document = read(path)
-    edits = rounded(document, decimals)
-    less = edited(document, edits)
+    edits = make_roundings(document, decimals)
+    less = apply_edits(document, edits)
     assert less is not None or decimals == 0
     if less is None:
         return
@@ -117,7 +117,7 @@ def test_rounded_numbers_have_so_many_decimals(path: Path, decimals: int) -> Non
         _, _, digits = repr(value).partition(".")
         assert digits == "0" or len(digits) <= decimals
         assert repr(value) != "-0.0"
-    assert rounded(less, decimals) == []
+    assert make_roundings(less, decimals) == []
 
 
 def test_routes_end_behind_the_failure_and_get_shorter() -> None:
@@ -127,7 +127,7 @@ def test_routes_end_behind_the_failure_and_get_shorter() -> None:
     (choices,) = sooner_ends(document, state(document).failure, network)
     lengths: list[float] = []
     for edit in choices:
-        less = edited(document, [edit])
+        less = apply_edits(document, [edit])
         assert less is not None
         assert checker()(less) is not None
         lengths += route_lengths(less, network).values()
@@ -142,7 +142,7 @@ def test_the_episode_ends_after_the_failure_and_not_before() -> None:
     assert values(choices) == [14.0, 15.0]
     limited = document.model_copy(update={"max_sim_time": 90.0})
     ((without,),) = less_time(limited, failure)
-    shorter = edited(limited, [without])
+    shorter = apply_edits(limited, [without])
     assert shorter is not None
     assert shorter.max_sim_time is None
     assert less_time(document, Failure(time=None, location=None, sim_time_s=60.0)) == []
@@ -155,7 +155,9 @@ def values(edits: list[Edit]) -> list[object]:
 def test_sizes_and_differences_are_those_of_the_documents() -> None:
     document = read(EXAMPLES / "signalised-grid.json")
     network = checker().network_of(document)
-    less = edited(document, [*removals.settings(document), *removals.actors(document, "ego_0")])
+    less = apply_edits(
+        document, [*removals.settings(document), *removals.actors(document, "ego_0")]
+    )
     assert less is not None
     size = size_of(document, network, sim_time_s=61.5)
     assert (size.actors, size.egos, size.background) == (31, 1, 30)
@@ -186,12 +188,14 @@ def test_patches_are_left_out_and_rounded_as_actors_are() -> None:
     document = ScenarioDocument.model_validate({**content_of(plain), "friction_patches": [ice]})
     ego = document.ego_vehicles[0].id
     (gone,) = (edit for edit in removals.actors(document, ego) if "ice" in edit.label)
-    assert edited(document, [gone]) == plain
+    assert apply_edits(document, [gone]) == plain
     labels = [edit.label for edit in removals.details(document)]
     assert {"ice without location yaw", "ice without location z"} <= set(labels)
     assert not any("friction" in label or "length" in label for label in labels)
-    (friction,) = (edit for edit in rounded(document, 2) if edit.changes[0][0][-1] == "friction")
-    rounder = edited(document, [friction])
+    (friction,) = (
+        edit for edit in make_roundings(document, 2) if edit.changes[0][0][-1] == "friction"
+    )
+    rounder = apply_edits(document, [friction])
     assert rounder is not None
     assert rounder.friction_patches[0].friction == 0.12
     network = checker().network_of(document)

@@ -17,7 +17,10 @@ from drivora_service.suites.paired.batch_comparison import (
     WhichFails,
 )
 from drivora_service.suites.paired.batch_comparison_files import write_batch_comparison
-from drivora_service.suites.paired.batch_comparison_text import comparison_markdown, telling_pairs
+from drivora_service.suites.paired.batch_comparison_text import (
+    comparison_markdown,
+    discordant_pairs,
+)
 from drivora_service.suites.paired.batch_pairing import compare_runs
 from drivora_service.suites.paired.failure_rules import Rules, Unfinished
 from drivora_service.suites.paired.mcnemar import mcnemar_p
@@ -232,14 +235,14 @@ def test_what_b_has_made_worse_comes_first() -> None:
         WhichFails.BOTH,
         WhichFails.NEITHER,
     ]
-    assert len(telling_pairs(found)) == 3
+    assert len(discordant_pairs(found)) == 3
 
 
 def test_pairs_that_fail_by_other_oracles_tell_a_from_b() -> None:
     first, second = [run("s", fails=["collision"])], [run("s", fails=["red_light"])]
     found = compare_runs(batch(first), batch(second))
     assert found.failures.both == 1
-    assert len(telling_pairs(found)) == 1
+    assert len(discordant_pairs(found)) == 1
 
 
 def test_files_hold_what_was_compared(tmp_path: Path) -> None:

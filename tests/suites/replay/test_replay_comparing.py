@@ -17,8 +17,8 @@ from drivora_service.suites.replay.replay_comparing import (
     Original,
     Recording,
     compare,
-    not_replayed,
-    why_not,
+    explain_not_replayable,
+    make_not_replayed,
 )
 from drivora_service.suites.replay.replay_records import ReplayOutcome
 from drivora_service.testing.traces import Motion, SyntheticEgo, make_trace
@@ -90,8 +90,8 @@ def moved(step: int) -> Trace:
 )
 def test_runs_without_a_result_are_not_replayed(changes: dict[str, Any], reason: str) -> None:
     original = Original(run=run_of(**changes))
-    assert why_not(original) == reason
-    assert not_replayed(original, reason).outcome is ReplayOutcome.NOT_REPLAYED
+    assert explain_not_replayable(original) == reason
+    assert make_not_replayed(original, reason).outcome is ReplayOutcome.NOT_REPLAYED
 
 
 def test_a_divergence_names_its_first_frame_and_what_explains_it() -> None:

@@ -12,7 +12,7 @@ from drivora_service.agents.adapters.dilu.driving import drive
 from drivora_service.agents.adapters.dilu.endpoint import EndpointModel
 from drivora_service.agents.adapters.dilu.experiences import Memory, read_experiences
 from drivora_service.agents.adapters.dilu.models import ChatModel
-from drivora_service.agents.adapters.dilu.operator_settings import endpoint_settings
+from drivora_service.agents.adapters.dilu.operator_settings import read_endpoint_settings
 from drivora_service.agents.adapters.dilu.prompts import question, system_message
 from drivora_service.agents.adapters.dilu.reasoning import Driver
 from drivora_service.agents.adapters.dilu.road import RouteFrame
@@ -141,7 +141,7 @@ class DiluAdapter:
             left=self._beside(around, self._lane + 1),
             right=self._beside(around, self._lane - 1),
             stop=stop,
-            crossing=around.crossing(low, high),
+            crossing=around.crossing_distance(low, high),
         )
 
     def _beside(self, around: Surroundings, lane: int) -> Beside | None:
@@ -213,7 +213,7 @@ def make_adapter() -> DiluAdapter:
     Raises:
         ModelError: The settings are invalid, or the weights are missing.
     """
-    settings = endpoint_settings(os.environ)
+    settings = read_endpoint_settings(os.environ)
     if settings is not None:
         return DiluAdapter(EndpointModel(settings), settings.timeout)
     # It is installed only in the agent's own environment.

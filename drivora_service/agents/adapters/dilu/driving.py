@@ -87,7 +87,7 @@ def drive(
         )
     accelerations += [
         idm_acceleration(speed, fastest, gap=halt, standstill=_LINE_GAP)
-        for halt in (stop, around.crossing(low, high))
+        for halt in (stop, around.crossing_distance(low, high))
         if halt is not None
     ]
     return AccelerationControl(

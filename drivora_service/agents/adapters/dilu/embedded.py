@@ -44,7 +44,7 @@ class EmbeddedModel:
         parameters.cache_ram_mib = 0
         parameters.verbosity = -1
         # The package always listens on a socket: in the ADS's own folder, where it is private.
-        parameters.hostnames = [_socket()]
+        parameters.hostnames = [_prepare_socket_path()]
         self._server = xllamacpp.Server(parameters)
 
     def begin_run(self) -> None:
@@ -89,7 +89,7 @@ def _weights() -> Path:
     return Path(found.origin).with_name(_FILE)
 
 
-def _socket() -> str:
+def _prepare_socket_path() -> str:
     address = os.environ.get(ADDRESS_VARIABLE, "")
     if not address.startswith("unix:"):
         return "127.0.0.1"

@@ -40,7 +40,7 @@ class EndpointSettings:
         return f"EndpointSettings(url={self.url!r}, model={self.model!r})"
 
 
-def endpoint_settings(variables: Mapping[str, str]) -> EndpointSettings | None:
+def read_endpoint_settings(variables: Mapping[str, str]) -> EndpointSettings | None:
     """Reads the settings; ``None`` without an endpoint.
 
     Raises:

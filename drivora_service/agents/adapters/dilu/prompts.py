@@ -15,7 +15,7 @@ from drivora_service.agents.adapters.dilu.experiences import Experience
 from drivora_service.agents.adapters.dilu.situation import (
     Situation,
     available,
-    described,
+    describe_situation,
     in_brief,
 )
 
@@ -115,4 +115,6 @@ def _available(situation: Situation) -> str:
 
 def question(situation: Situation, *, reasons: bool) -> Message:
     """Returns the message that describes a situation."""
-    return Message(role="user", content=described(situation) if reasons else in_brief(situation))
+    return Message(
+        role="user", content=describe_situation(situation) if reasons else in_brief(situation)
+    )

@@ -96,7 +96,7 @@ class Driver:
             ModelError: It does not answer.
         """
         if situation.speed > _MOVING:
-            self._keep_a_good_one()
+            self._keep_good_decision()
         recalled = self.memory.recall(situation, self.examples)
         # The nearest one last, since a model weighs its last input most; the others by number, so
         # that questions have the same beginning, which the model caches.
@@ -105,13 +105,13 @@ class Driver:
             [each.experience for each in shown], situation, reasons=self.model.reasons
         )
         self.log.event(f"situation: {messages[-1].content}")
-        self.log.event(f"examples: {_listed(recalled)}")
+        self.log.event(f"examples: {_format_recalled(recalled)}")
         allowed = available(situation)
         answer = self.model.answer(messages, allowed, self._left(until))
-        self.log.event(f"answer: {_quoted(answer)}")
+        self.log.event(f"answer: {_quote(answer)}")
         decision = decision_in(answer)
         if decision is None:
-            decision = self._asked_again(answer, until)
+            decision = self._ask_again(answer, until)
         if decision not in allowed:
             self.counts.impossible += 1
             self.log.event(f"{decision} is not available: keep")
@@ -122,10 +122,10 @@ class Driver:
         self.log.event(f"decision: {decision}")
         return decision
 
-    def _asked_again(self, answer: str, until: float) -> Decision:
+    def _ask_again(self, answer: str, until: float) -> Decision:
         self.counts.unclear += 1
         again = self.model.answer(check_messages(answer), DECISIONS, self._left(until))
-        self.log.event(f"no decision in it; asked again: {_quoted(again)}")
+        self.log.event(f"no decision in it; asked again: {_quote(again)}")
         decision = decision_in(again)
         if decision is None:
             self.counts.unparsed += 1
@@ -170,7 +170,7 @@ class Driver:
         answer = self.model.answer(
             self._reflection(made), available(made.situation), self._left(until)
         )
-        self.log.event(f"answer: {_quoted(answer)}")
+        self.log.event(f"answer: {_quote(answer)}")
         corrected = decision_in(answer)
         if corrected is None or corrected is made.decision:
             self.log.event("no correction in it")
@@ -184,7 +184,7 @@ class Driver:
             made.situation, made.decision, made.answer, reasons=self.model.reasons
         )
 
-    def _keep_a_good_one(self) -> None:
+    def _keep_good_decision(self) -> None:
         """Keeps an earlier decision, if no mistake followed and it is new."""
         number = len(self._made) - _GOOD_AFTER
         if number < 0 or number % _WORTH_KEEPING != 1 or self._trouble_at > number:
@@ -203,7 +203,7 @@ class Driver:
         )
 
 
-def _listed(recalled: list[Recalled]) -> str:
+def _format_recalled(recalled: list[Recalled]) -> str:
     return (
         ", ".join(
             f"{each.number} ({each.distance:.2f}, {each.experience.decision})" for each in recalled
@@ -212,5 +212,5 @@ def _listed(recalled: list[Recalled]) -> str:
     )
 
 
-def _quoted(answer: str) -> str:
+def _quote(answer: str) -> str:
     return json.dumps(answer, ensure_ascii=False)

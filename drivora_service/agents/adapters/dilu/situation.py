@@ -89,16 +89,16 @@ def available(situation: Situation) -> tuple[Decision, ...]:
     return tuple(decision for decision, may in possible.items() if may)
 
 
-def described(situation: Situation) -> str:
+def describe_situation(situation: Situation) -> str:
     """Returns the full description of a situation."""
     s = situation
     return " ".join(
         [
             f"You drive at {s.speed:.1f} m/s and want {s.wanted:.1f} m/s; allowed are "
             f"{s.allowed:.1f} m/s.",
-            f"Ahead in your lane: {_told(s.ahead, s.speed) or 'nobody near'}.",
-            f"Lane to the left: {_lane_told(s.left, s.speed)}.",
-            f"Lane to the right: {_lane_told(s.right, s.speed)}.",
+            f"Ahead in your lane: {_describe_neighbour(s.ahead, s.speed) or 'nobody near'}.",
+            f"Lane to the left: {_describe_lane(s.left, s.speed)}.",
+            f"Lane to the right: {_describe_lane(s.right, s.speed)}.",
             *([] if s.stop is None else [f"You must stop at a light in {s.stop:.0f} m."]),
             *([] if s.crossing is None else [f"Somebody will cross in {s.crossing:.0f} m."]),
         ]
@@ -145,18 +145,18 @@ def _pace(neighbour: Neighbour, speed: float) -> str:
     return "slower" if pace < -1.0 else "faster" if pace > 1.0 else "as fast"
 
 
-def _told(neighbour: Neighbour | None, speed: float) -> str:
+def _describe_neighbour(neighbour: Neighbour | None, speed: float) -> str:
     if neighbour is None:
         return ""
     return f"{neighbour.gap:.0f} m away, at {neighbour.speed:.1f} m/s ({_pace(neighbour, speed)})"
 
 
-def _lane_told(lane: Beside | None, speed: float) -> str:
+def _describe_lane(lane: Beside | None, speed: float) -> str:
     if lane is None:
         return "none"
     return (
-        f"ahead {_told(lane.ahead, speed) or 'nobody'}, behind "
-        f"{_told(lane.behind, speed) or 'nobody'}"
+        f"ahead {_describe_neighbour(lane.ahead, speed) or 'nobody'}, behind "
+        f"{_describe_neighbour(lane.behind, speed) or 'nobody'}"
     )
 
 

@@ -77,7 +77,7 @@ class Surroundings:
         """Returns the actors in the lane whose centre is at an offset."""
         return Beside(ahead=self.ahead(offset, offset), behind=self.behind(offset, offset))
 
-    def crossing(self, low: float, high: float) -> float | None:
+    def crossing_distance(self, low: float, high: float) -> float | None:
         """Returns the metres to a place that a crossing actor and the vehicle reach together."""
         if not len(self.places):
             return None

@@ -14,7 +14,7 @@ import fiss_planner as fp
 import numpy as np
 
 from drivora_service.agents.adapters.lights import must_stop
-from drivora_service.agents.adapters.path_lines import arc_of, normals, resampled
+from drivora_service.agents.adapters.path_lines import arc_of, normals, resample
 from drivora_service.agents.adapters.route_lanes import (
     beside_one_another,
     lane_sequence,
@@ -112,7 +112,7 @@ class FissAdapter:
     def _map_lane(self, lane: LaneView) -> fp.MapLane:
         made = fp.MapLane()
         made.id, made.speed_limit = self._ids[lane.id], lane.speed_limit
-        line = resampled(lane.line)
+        line = resample(lane.line)
         side = 0.5 * lane.width * normals(line)
         made.centerline = line
         made.left, made.right = line + side, line - side

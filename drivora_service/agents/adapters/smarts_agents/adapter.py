@@ -16,7 +16,7 @@ from drivora_service.agents.adapters.smarts_agents.acting import (
     step_towards,
     target_of,
 )
-from drivora_service.agents.adapters.smarts_agents.facing import facing
+from drivora_service.agents.adapters.smarts_agents.facing import make_facing
 from drivora_service.agents.adapters.smarts_agents.observing import Observer
 from drivora_service.agents.adapters.smarts_agents.policies import LOADERS
 from drivora_service.agents.adapters.smarts_agents.scene import to_yaw
@@ -70,8 +70,10 @@ class SmartsAdapter:
         if self._name == _REMEMBERS:
             x, y, heading = pose_of(self._policy.act(scene))
         else:
-            frame = facing(scene, self._driven)
-            x, y, heading = frame.back(*pose_of(self._policy.act(frame.turned(scene))))
+            frame = make_facing(scene, self._driven)
+            x, y, heading = frame.restore_pose(
+                *pose_of(self._policy.act(frame.transform_scene(scene)))
+            )
         away = np.hypot(x - observation.ego[Col.X], y - observation.ego[Col.Y])
         self._log.row[0] = away / PERIOD
         self._log.row[2] = len(scene.waypoint_paths)

@@ -37,7 +37,7 @@ class Facing:
     heading: float
     driven: float
 
-    def turned(self, scene: Scene) -> Scene:
+    def transform_scene(self, scene: Scene) -> Scene:
         """Returns a scene in this frame."""
         ego = scene.ego_vehicle_state
         return replace(
@@ -47,8 +47,8 @@ class Facing:
                 position=self._place(ego.position),
                 heading=self._heading(ego.heading),
                 mission=Mission(goal=Goal(position=self._place(ego.mission.goal.position))),
-                linear_velocity=self._rotated(ego.linear_velocity, -self.heading),
-                linear_acceleration=self._rotated(ego.linear_acceleration, -self.heading),
+                linear_velocity=self._rotate(ego.linear_velocity, -self.heading),
+                linear_acceleration=self._rotate(ego.linear_acceleration, -self.heading),
             ),
             neighborhood_vehicle_states=tuple(
                 self._vehicle(vehicle) for vehicle in scene.neighborhood_vehicle_states
@@ -58,9 +58,9 @@ class Facing:
             ],
         )
 
-    def back(self, x: float, y: float, heading: float) -> tuple[float, float, float]:
+    def restore_pose(self, x: float, y: float, heading: float) -> tuple[float, float, float]:
         """Returns a pose of this frame in the network's plane."""
-        east, north = self._rotated(np.array([x, y - self.driven]), self.heading).tolist()
+        east, north = self._rotate(np.array([x, y - self.driven]), self.heading).tolist()
         return (
             float(self.origin[0]) + east,
             float(self.origin[1]) + north,
@@ -69,7 +69,7 @@ class Facing:
 
     def _place(self, place: FloatArray) -> FloatArray:
         here = place.copy()
-        here[:2] = self._rotated(place[:2] - self.origin, -self.heading)
+        here[:2] = self._rotate(place[:2] - self.origin, -self.heading)
         here[1] += self.driven
         return here
 
@@ -85,7 +85,7 @@ class Facing:
         return replace(waypoint, pos=place, heading=heading)
 
     @staticmethod
-    def _rotated(vector: FloatArray, angle: float) -> FloatArray:
+    def _rotate(vector: FloatArray, angle: float) -> FloatArray:
         """Turns x and y counter-clockwise."""
         cos, sin = math.cos(angle), math.sin(angle)
         turned = vector.copy()
@@ -94,7 +94,7 @@ class Facing:
         return turned
 
 
-def facing(scene: Scene, driven: float) -> Facing:
+def make_facing(scene: Scene, driven: float) -> Facing:
     """Returns the frame of a scene, for an ego that has driven ``driven`` metres."""
     ego = scene.ego_vehicle_state
     return Facing(origin=ego.position[:2].copy(), heading=ego.heading, driven=driven)

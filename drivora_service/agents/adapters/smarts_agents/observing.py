@@ -73,7 +73,9 @@ class Observer:
             distance_travelled=travelled,
             ego_vehicle_state=self._ego(observation, stage, ways),
             neighborhood_vehicle_states=self._others(observation),
-            waypoint_paths=long_enough([self._waypoints(way, observation.ego[:2]) for way in ways]),
+            waypoint_paths=omit_ending_ways(
+                [self._waypoints(way, observation.ego[:2]) for way in ways]
+            ),
         )
 
     def _ego(self, observation: Observation, stage: int, ways: tuple[Way, ...]) -> EgoState:
@@ -177,6 +179,6 @@ class Observer:
         )
 
 
-def long_enough(paths: list[list[Waypoint]]) -> list[list[Waypoint]]:
+def omit_ending_ways(paths: list[list[Waypoint]]) -> list[list[Waypoint]]:
     """Omits ways that are about to end, unless all are."""
     return [path for path in paths if len(path) >= _FEWEST] or [max(paths, key=len)]

@@ -115,7 +115,7 @@ class RouteWays:
         for lane in self._roads[road]:
             following = self._next[road].get(lane)
             if following is not None:
-                ahead = self._continued(following, road + 1)
+                ahead = self._extend_lanes(following, road + 1)
                 found.append(
                     self._way(ahead, max(len(following) - 1, 1))
                     if in_junction
@@ -125,7 +125,7 @@ class RouteWays:
                 found.append(self._way((lane,), 1))
         return found
 
-    def _continued(self, lanes: tuple[int, ...], road: int) -> tuple[int, ...]:
+    def _extend_lanes(self, lanes: tuple[int, ...], road: int) -> tuple[int, ...]:
         """Adds the continuation from ``road`` on, to which the last of the lanes belongs."""
         while road < len(self._roads) - 1:
             following = self._next[road].get(lanes[-1])

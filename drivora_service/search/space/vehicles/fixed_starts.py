@@ -33,7 +33,7 @@ _TOLERANCE = 20.0
 _SPACING = 2.0
 
 
-def fixed_starts(
+def choose_fixed_starts(
     paths: Sequence[NpcPath], ego: Start, taken: Sequence[Start], count: int, fastest: float
 ) -> tuple[VehiclePlace, ...]:
     """Chooses the starts of vehicles; the same for the same arguments.
@@ -77,7 +77,7 @@ def _choose(
     for path in paths:
         for place in _places(path):
             if _is_free(place, others, fastest):
-                ahead, aside = _seen_from(ego, place)
+                ahead, aside = _compute_offset(ego, place)
                 gap = abs(math.hypot(ahead, aside) - wanted)
                 free.setdefault((ahead > 0.0, path.relation), []).append((gap, place))
     for tolerance, is_ahead in product((_TOLERANCE, math.inf), (True, False)):
@@ -113,7 +113,7 @@ def _start(place: VehiclePlace, speed: float) -> Start:
     )
 
 
-def _seen_from(ego: Start, place: VehiclePlace) -> tuple[float, float]:
+def _compute_offset(ego: Start, place: VehiclePlace) -> tuple[float, float]:
     """Returns the metres by which a place is ahead of an ego, and to its left."""
     pose = place.path.path.at(place.s)
     dx, dy = pose.x - ego.pose.x, pose.y - ego.pose.y

@@ -70,7 +70,7 @@ def _offset(path: DrivenPath, stop: Stop) -> float:
     return stop.side * 0.5 * (own.width + other.width)
 
 
-def joined(
+def make_planned_waypoints(
     path: DrivenPath, stops: Sequence[Stop], allowed: Callable[[float, float], float]
 ) -> tuple[Waypoint, ...]:
     """Returns waypoints between which the planner reproduces the path.
@@ -111,7 +111,7 @@ def _ties(path: DrivenPath, begin: float, end: float) -> list[float]:
     return []
 
 
-def drawn(
+def make_replay_waypoints(
     path: DrivenPath, stops: Sequence[Stop], change: Callable[[float], QuickChange] | None
 ) -> tuple[Waypoint, ...]:
     """Returns waypoints so near to one another that straight lines between them follow the path.
@@ -138,14 +138,14 @@ def drawn(
             s = before.s + share * way
             last = step == count
             route.append(
-                _timed(path.at(s).beside(aside).waypoint(stop.speed), stop.wait if last else 0.0)
+                _add_wait(path.at(s).beside(aside).waypoint(stop.speed), stop.wait if last else 0.0)
             )
     return tuple(route)
 
 
 def _waypoint(path: DrivenPath, stop: Stop) -> Waypoint:
-    return _timed(path.at(stop.s).beside(_offset(path, stop)).waypoint(stop.speed), stop.wait)
+    return _add_wait(path.at(stop.s).beside(_offset(path, stop)).waypoint(stop.speed), stop.wait)
 
 
-def _timed(waypoint: Waypoint, wait: float) -> Waypoint:
+def _add_wait(waypoint: Waypoint, wait: float) -> Waypoint:
     return replace(waypoint, wait=round(wait, _TIME_DIGITS)) if wait > 0.0 else waypoint

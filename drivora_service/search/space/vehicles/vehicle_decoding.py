@@ -18,9 +18,9 @@ from drivora_service.search.space.vehicles.npc_waypoints import (
     CHANGE_ROOM,
     LEAST_STEP,
     Stop,
-    drawn,
     has_room_beside,
-    joined,
+    make_planned_waypoints,
+    make_replay_waypoints,
     place_beside,
 )
 from drivora_service.search.space.vehicles.vehicle_genes import MANOEUVRES, WAITING
@@ -106,9 +106,11 @@ class VehicleDecoder:
                     speed=speed, lateral_acceleration=lateral or math.inf, least_radius=radius
                 )
 
-            route = drawn(path, stops, None if lateral is None else change)
+            route = make_replay_waypoints(path, stops, None if lateral is None else change)
         else:
-            route = joined(path, stops, lambda s, wanted: self._speed(path, model, s, wanted))
+            route = make_planned_waypoints(
+                path, stops, lambda s, wanted: self._speed(path, model, s, wanted)
+            )
         return NpcVehicle(
             id=self._id,
             model=model.name,
@@ -119,7 +121,7 @@ class VehicleDecoder:
             lateral_acceleration=lateral,
         )
 
-    def decoded(self, values: FloatArray) -> Decoded:
+    def decode_part(self, values: FloatArray) -> Decoded:
         """Returns the vehicle and its appearance, as ``alike`` compares them."""
         if not self.is_present(values):
             return ABSENT
@@ -177,7 +179,7 @@ class VehicleDecoder:
         """Returns the waypoints after the start."""
         places = self._places(values, path, begin)
         lanes = values[self._lanes].tolist() if self._lanes else [0.0] * len(places)
-        at, seconds = self._standing(values)
+        at, seconds = self._decode_wait(values)
         stops = []
         for k, s in enumerate(places):
             before = places[k - 1] if k else begin
@@ -197,7 +199,7 @@ class VehicleDecoder:
             )
         return stops
 
-    def _standing(self, values: FloatArray) -> tuple[int, float]:
+    def _decode_wait(self, values: FloatArray) -> tuple[int, float]:
         """Returns the slice at whose waypoint it stands, -1 for none, and for how many seconds."""
         if not self._wait:
             return -1, 0.0

@@ -132,8 +132,8 @@ class Breeding:
     def _cross(self, one: Offspring, other: Offspring) -> tuple[Offspring, Offspring]:
         values = exchange_block(one.values, other.values, self.space, self.random)
         return (
-            _changed(one, values[0], "crossover", other.parents),
-            _changed(other, values[1], "crossover", one.parents),
+            _derive_offspring(one, values[0], "crossover", other.parents),
+            _derive_offspring(other, values[1], "crossover", one.parents),
         )
 
     def _mutate(self, one: Offspring) -> Offspring:
@@ -143,10 +143,10 @@ class Breeding:
             parent.values,
             parent.without_effect,
         )
-        return replace(_changed(one, values, "mutation"), redrawn=redrawn)
+        return replace(_derive_offspring(one, values, "mutation"), redrawn=redrawn)
 
 
-def _changed(
+def _derive_offspring(
     one: Offspring, values: FloatArray, origin: str, parents: Population = ()
 ) -> Offspring:
     origins = one.origins if origin in one.origins else (*one.origins, origin)

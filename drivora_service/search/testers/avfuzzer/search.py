@@ -82,7 +82,7 @@ class AvfuzzerSearch:
                 best = found
                 if len(bests) - 1 > settings.local_after:
                     local = yield from self._search_locally(best)
-                    population = _replaced(population, best, local)
+                    population = _replace_member(population, best, local)
                     best = local
 
     def _has_stalled(self, bests: list[float]) -> bool:
@@ -147,7 +147,7 @@ class AvfuzzerSearch:
         return drawn[farthest(drawn, past, counts, self._space, settings.population)]
 
 
-def _replaced(population: Population, old: Individual, new: Individual) -> Population:
+def _replace_member(population: Population, old: Individual, new: Individual) -> Population:
     return tuple(new if one is old else one for one in population)
 
 

@@ -126,7 +126,7 @@ class BehaviourModel:
     def _fit(self) -> None:
         # Centres are kept about the mean of their time: they move with the scales.
         before = self._centres + self._shift if self.clusters else self._centres
-        sample = _thinned(self._rows, FIT_ROWS)
+        sample = _thin_rows(self._rows, FIT_ROWS)
         self._shift = sample.mean(axis=0)
         deviation = sample.std(axis=0)
         self._scale = np.where(deviation > CONSTANT, deviation, 1.0)
@@ -143,7 +143,7 @@ class BehaviourModel:
 
     def _choice(self, scaled: FloatArray) -> FloatArray:
         """Chooses the number of clusters, and with it the first centres."""
-        sample = _thinned(scaled, CHOICE_ROWS)
+        sample = _thin_rows(scaled, CHOICE_ROWS)
         distances = distances_between(sample)
         most = min(self._most, len(sample))
         best, best_score = sample[:1], -np.inf
@@ -167,7 +167,7 @@ class BehaviourModel:
         self._archive[run, place] = self.labels(self._rows)
 
 
-def _thinned(rows: FloatArray, most: int) -> FloatArray:
+def _thin_rows(rows: FloatArray, most: int) -> FloatArray:
     """Returns at most ``most`` rows, spread evenly."""
     if len(rows) <= most:
         return rows

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
-from drivora_service.search.selection import drawn_by
+from drivora_service.search.selection import draw_by_probability
 
 INITIAL_GAIN = INITIAL_NOVELTY = 0.5
 """Assumed gain and novelty of the first seeds, which have no parent."""
@@ -86,5 +86,5 @@ class EnergySelection:
         energies = -objectives[:, 0]
         total = float(energies.sum())
         if total > 0.0:
-            return drawn_by(energies / total, count, random)
+            return draw_by_probability(energies / total, count, random)
         return random.integers(len(energies), size=count)

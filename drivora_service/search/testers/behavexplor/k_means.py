@@ -111,19 +111,21 @@ def _plus_plus(rows: FloatArray, count: int, seed: int) -> FloatArray:
     squares = np.einsum("ij,ij->i", rows, rows)
     draws = 2 + int(np.log(count))
     chosen = [int(random.choice(n, p=np.full(n, 1.0 / n)))]
-    nearest = _squared(rows[chosen], squares[chosen], rows, squares)[0]
+    nearest = _compute_squared_distances(rows[chosen], squares[chosen], rows, squares)[0]
     for _ in range(1, count):
         cumulated = np.cumsum(nearest)
         drawn = np.searchsorted(cumulated, random.uniform(size=draws) * nearest.sum())
         drawn = np.minimum(drawn, n - 1)
-        nearer = np.minimum(nearest, _squared(rows[drawn], squares[drawn], rows, squares))
+        nearer = np.minimum(
+            nearest, _compute_squared_distances(rows[drawn], squares[drawn], rows, squares)
+        )
         best = int(nearer.sum(axis=1).argmin())
         nearest = nearer[best]
         chosen.append(int(drawn[best]))
     return rows[chosen]
 
 
-def _squared(
+def _compute_squared_distances(
     first: FloatArray, first_squares: FloatArray, second: FloatArray, second_squares: FloatArray
 ) -> FloatArray:
     """Returns the squared distances (q, n) of points (q, c) and (n, c)."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.search.genes import GeneKind, GeneSpace, Part
-from drivora_service.search.mutation import effective_genes, shifted
+from drivora_service.search.mutation import effective_genes, shift_genes
 
 _ALONG, _SPEED = "along_", "speed_"
 
@@ -48,7 +48,7 @@ class WaypointNoise:
         moves: BoolArray = (random.random(len(space)) < self.probability)[unit]
         if movable.any() and not (moves & movable).any():
             moves = unit == unit[random.choice(np.flatnonzero(movable))]
-        return shifted(values, space, random, moves & movable, sigma * strength)
+        return shift_genes(values, space, random, moves & movable, sigma * strength)
 
     @lru_cache(maxsize=4)  # noqa: B019 # of a frozen value, and for as many spaces only
     def plan(self, space: GeneSpace) -> tuple[FloatArray, IntArray]:

@@ -156,13 +156,13 @@ class BehavexplorTester:
         """
         left = self._parameters.initial - self._turn.next_number
         if left > 0:
-            proposals = self._drawn(min(room, left))
+            proposals = self._draw_proposals(min(room, left))
         elif self._told < self._parameters.initial:
             proposals = ()
         elif not self.corpus:
-            proposals = self._drawn(room)
+            proposals = self._draw_proposals(room)
         else:
-            proposals = self._bred(room)
+            proposals = self._breed_proposals(room)
         return self._turn.propose(proposals, room)
 
     def tell(self, evaluation: Evaluation) -> None:
@@ -176,14 +176,14 @@ class BehavexplorTester:
         else:
             self._tell_child(evaluation, outcome, asked.parent, is_redraw=asked.is_redraw)
 
-    def _drawn(self, count: int) -> tuple[Proposal, ...]:
+    def _draw_proposals(self, count: int) -> tuple[Proposal, ...]:
         proposals = []
         for _ in range(count):
             self._open.append(_Open(parent=None, is_redraw=True))
             proposals.append(self._proposal(self._space.sample(self._random), "initial"))
         return tuple(proposals)
 
-    def _bred(self, count: int) -> tuple[Proposal, ...]:
+    def _breed_proposals(self, count: int) -> tuple[Proposal, ...]:
         energies = np.array([[seed.energy] for seed in self.corpus])
         proposals = []
         for index in self._selection.select(-energies, count, self._random):

@@ -9,7 +9,7 @@ import numpy as np
 
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.genes import Block, GeneSpace, Part
-from drivora_service.search.mutation import shifted
+from drivora_service.search.mutation import shift_genes
 
 MOVING = (Part.VEHICLE, Part.WALKER)
 STATIC = (Part.OBSTACLE,)
@@ -63,7 +63,7 @@ class ActorChanges:
                 ]
                 which &= random.random(len(space)) < 0.5
                 sigma = self.sigma * strength * space.ranges
-                mutant = shifted(mutant, space, random, which & ~space.is_whole, sigma)
+                mutant = shift_genes(mutant, space, random, which & ~space.is_whole, sigma)
         return mutant
 
     def _kind(self, space: GeneSpace, random: np.random.Generator) -> tuple[tuple[Block, ...], int]:

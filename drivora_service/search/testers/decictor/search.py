@@ -77,7 +77,7 @@ class DecictorSearch:
 
     def script(self) -> Script:
         """Runs the reference, then breeds generations without end."""
-        start = yield from self._refer()
+        start = yield from self._find_reference()
         first = Member(values=start.values, cost=0.0, number=start.number)
         population = (first,) * self._parameters.population
         generation = 0
@@ -97,7 +97,7 @@ class DecictorSearch:
             fit = tuple(_member(told) for told in children if _may_breed(told))
             population = self._select((*population, *fit))
 
-    def _refer(self) -> Generator[tuple[Proposal, ...], tuple[Evaluation, ...], _Start]:
+    def _find_reference(self) -> Generator[tuple[Proposal, ...], tuple[Evaluation, ...], _Start]:
         tries = 0
         while True:
             values = self._space.sample(self._random)

@@ -48,7 +48,7 @@ class Learner:
         self._parameters, self._seed = parameters, seed
         self.transitions = 0
         self._steps = 0
-        with self._seeded(_INITIAL):
+        with self._seed_libraries(_INITIAL):
             self._model = DQN(
                 "MlpPolicy",
                 Spaces(),
@@ -79,7 +79,7 @@ class Learner:
             return
         if self._steps % parameters.target_update == 0:
             model.q_net_target.load_state_dict(model.q_net.state_dict())
-        with self._seeded(self._steps):
+        with self._seed_libraries(self._steps):
             model.train(gradient_steps=1, batch_size=parameters.batch)
         self._steps += 1
 
@@ -136,7 +136,7 @@ class Learner:
             ) from error
 
     @contextlib.contextmanager
-    def _seeded(self, number: int) -> Iterator[None]:
+    def _seed_libraries(self, number: int) -> Iterator[None]:
         """Seeds the random numbers of the libraries for one use of them, and puts them back."""
         import torch
 

@@ -60,7 +60,7 @@ class DeepcollisionTester:
         last = None if context.checkpoints is None else context.checkpoints.last()
         if last is not None:
             self._restores_at, content = last
-            self._opened, self._state = _unpacked(content)
+            self._opened, self._state = _unpack_checkpoint(content)
 
     @property
     def _learner(self) -> Learner:
@@ -149,7 +149,7 @@ class DeepcollisionTester:
         if checkpoints is None or not every or self._told % every:
             return
         state = b"" if self._is_blind else self._learner.state()
-        checkpoints.save(self._told, _packed(self._open, state))
+        checkpoints.save(self._told, _pack_checkpoint(self._open, state))
 
 
 def _transitions(
@@ -187,12 +187,12 @@ def still_values(space: GeneSpace) -> FloatArray:
     return values
 
 
-def _packed(policies: dict[int, str], state: bytes) -> bytes:
+def _pack_checkpoint(policies: dict[int, str], state: bytes) -> bytes:
     """Writes a checkpoint: the policies of proposals that are not told yet, and the state."""
     return json.dumps({str(k): text for k, text in policies.items()}).encode() + b"\n" + state
 
 
-def _unpacked(content: bytes) -> tuple[dict[int, str], bytes]:
+def _unpack_checkpoint(content: bytes) -> tuple[dict[int, str], bytes]:
     policies, _, state = content.partition(b"\n")
     try:
         return {int(k): str(text) for k, text in json.loads(policies).items()}, state

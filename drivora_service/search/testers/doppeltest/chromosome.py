@@ -56,7 +56,7 @@ class Chromosome:
     def paths(self, values: FloatArray) -> list[float]:
         """Returns the paths of the egos."""
         egos = self.egos
-        return egos.genes(values, egos.taken(values), PATH)
+        return egos.genes(values, egos.taken_slots(values), PATH)
 
     def draw_ego(self, random: np.random.Generator, others: list[float]) -> FloatArray:
         """Draws an ego with a path that conflicts with one of ``others``, if there is one."""
@@ -68,7 +68,7 @@ class Chromosome:
 
     def start_early(self, values: FloatArray) -> None:
         """Shifts the start times of the egos, in place, so that the first one is 0."""
-        places = [self.egos.index(slot, START_TIME) for slot in self.egos.taken(values)]
+        places = [self.egos.index(slot, START_TIME) for slot in self.egos.taken_slots(values)]
         wait = min(values.item(place) - self.space.lows.item(place) for place in places)
         if wait:
             values[places] -= wait

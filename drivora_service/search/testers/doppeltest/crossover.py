@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from drivora_service.geometry.array_shapes import FloatArray
-from drivora_service.search.selection import cumulated
+from drivora_service.search.selection import cumulate_probabilities
 from drivora_service.search.testers.doppeltest.chromosome import PATH, START_TIME, Chromosome
 from drivora_service.search.testers.doppeltest.parameters import DoppelTestParameters
 
@@ -28,16 +28,18 @@ class DoppelTestCrossover:
         """
         self.chromosome = chromosome
         egos, walkers = parameters.cross_egos, parameters.cross_walkers
-        self._sections: list[Callable[..., None]] = [self._egos]
+        self._sections: list[Callable[..., None]] = [self._cross_egos]
         shares = [egos]
         if chromosome.walkers.most:
-            self._sections.append(self._walkers)
+            self._sections.append(self._cross_walkers)
             shares.append(walkers)
         if len(chromosome.lights):
-            self._sections.append(self._lights)
+            self._sections.append(self._cross_lights)
             shares.append(max(1.0 - egos - walkers, 0.0))
         # If all shares are 0, all sections are equally likely.
-        self._cumulated = cumulated(np.array(shares) / np.sum(shares)) if any(shares) else None
+        self._cumulated = (
+            cumulate_probabilities(np.array(shares) / np.sum(shares)) if any(shares) else None
+        )
 
     def cross(
         self, first: FloatArray, second: FloatArray, random: np.random.Generator
@@ -51,7 +53,9 @@ class DoppelTestCrossover:
         self._sections[number](child, second, random)
         return child
 
-    def _egos(self, child: FloatArray, other: FloatArray, random: np.random.Generator) -> None:
+    def _cross_egos(
+        self, child: FloatArray, other: FloatArray, random: np.random.Generator
+    ) -> None:
         """Copies all egos, or the start or start time of one on the same path, or one ego.
 
         Else both parents' egos are shuffled, and the child gets some of them.
@@ -60,7 +64,9 @@ class DoppelTestCrossover:
         if random.random() < _ALL_EGOS:
             for slot in range(egos.most):
                 child[egos.blocks[slot].slice] = other[egos.blocks[slot].slice]
-        elif not self._same_paths(child, other, random) and not self._one_more(child, other):
+        elif not self._copy_starts(child, other, random) and not self._add_conflicting_ego(
+            child, other
+        ):
             pool = egos.actors(child) + egos.actors(other)
             fewest = max(egos.least, 2)
             count = int(random.integers(fewest, min(len(pool), egos.most) + 1))
@@ -68,7 +74,7 @@ class DoppelTestCrossover:
             egos.fill(child, [pool[index] for index in chosen])
         self.chromosome.start_early(child)
 
-    def _same_paths(
+    def _copy_starts(
         self, child: FloatArray, other: FloatArray, random: np.random.Generator
     ) -> bool:
         """Copies the start or the start time of egos on the same path; returns whether any exist.
@@ -76,7 +82,7 @@ class DoppelTestCrossover:
         The place and the time have probability 1/2 each.
         """
         egos = self.chromosome.egos
-        slots, places = egos.taken(child), egos.taken(other)
+        slots, places = egos.taken_slots(child), egos.taken_slots(other)
         paths = list(zip(places, egos.genes(other, places, PATH), strict=True))
         found = False
         for slot, path in zip(slots, egos.genes(child, slots, PATH), strict=True):
@@ -88,18 +94,20 @@ class DoppelTestCrossover:
                 child[egos.index(slot, gene)] = other[egos.index(place, gene)]
         return found
 
-    def _one_more(self, child: FloatArray, other: FloatArray) -> bool:
+    def _add_conflicting_ego(self, child: FloatArray, other: FloatArray) -> bool:
         """Adds the other's first ego with a path that conflicts with one of the child's, if any."""
         egos, paths = self.chromosome.egos, self.chromosome.paths(child)
         if len(paths) == egos.most:
             return False
-        for slot in egos.taken(other):
+        for slot in egos.taken_slots(other):
             if self.chromosome.conflicts.between(egos.gene(other, slot, PATH), paths):
                 egos.add(child, egos.actor(other, slot))
                 return True
         return False
 
-    def _walkers(self, child: FloatArray, other: FloatArray, random: np.random.Generator) -> None:
+    def _cross_walkers(
+        self, child: FloatArray, other: FloatArray, random: np.random.Generator
+    ) -> None:
         """Copies all walkers; more often, the child gets some of both parents'."""
         walkers = self.chromosome.walkers
         pool = walkers.actors(child) + walkers.actors(other)
@@ -110,7 +118,9 @@ class DoppelTestCrossover:
         chosen = random.permutation(len(pool))[:count]
         walkers.fill(child, [pool[index] for index in chosen])
 
-    def _lights(self, child: FloatArray, other: FloatArray, random: np.random.Generator) -> None:
+    def _cross_lights(
+        self, child: FloatArray, other: FloatArray, random: np.random.Generator
+    ) -> None:
         """Copies one gene of the lights; sometimes all."""
         lights = self.chromosome.lights
         which = lights if random.random() < _ALL_LIGHTS else random.choice(lights)

@@ -8,7 +8,7 @@ import numpy as np
 
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.genes import GeneSpace
-from drivora_service.search.mutation import redrawn
+from drivora_service.search.mutation import redraw_genes
 from drivora_service.search.testers.doppeltest.chromosome import PATH, Chromosome
 from drivora_service.search.testers.doppeltest.parameters import DoppelTestParameters
 
@@ -41,20 +41,20 @@ class DoppelTestMutation:
     ) -> FloatArray:
         """Returns a changed copy; at strength s, changed s times."""
         changed = values.copy()
-        sections = [self._egos]
+        sections = [self._mutate_egos]
         if self.chromosome.walkers.most:
-            sections.append(self._walkers)
+            sections.append(self._mutate_walkers)
         if len(self.chromosome.lights):
-            sections.append(self._lights)
+            sections.append(self._mutate_lights)
         for _ in range(max(round(strength), 1)):
             changed = sections[random.integers(len(sections))](changed, space, random)
         return changed
 
-    def _egos(
+    def _mutate_egos(
         self, values: FloatArray, space: GeneSpace, random: np.random.Generator
     ) -> FloatArray:
         egos, rates = self.chromosome.egos, self.parameters
-        taken = egos.taken(values)
+        taken = egos.taken_slots(values)
         draw = random.random()
         if draw < rates.remove_ego and len(taken) > max(egos.least, LEAST_EGOS):
             egos.remove(values, _one_of(taken, random))
@@ -65,11 +65,11 @@ class DoppelTestMutation:
         self.chromosome.start_early(values)
         return values
 
-    def _walkers(
+    def _mutate_walkers(
         self, values: FloatArray, space: GeneSpace, random: np.random.Generator
     ) -> FloatArray:
         walkers, rates = self.chromosome.walkers, self.parameters
-        taken = walkers.taken(values)
+        taken = walkers.taken_slots(values)
         draw = random.random()
         if not taken:
             walkers.add(values, walkers.draw(space, random))
@@ -81,13 +81,13 @@ class DoppelTestMutation:
             walkers.redraw(values, _one_of(taken, random), space, random, keep=_CROSSING)
         return values
 
-    def _lights(
+    def _mutate_lights(
         self, values: FloatArray, space: GeneSpace, random: np.random.Generator
     ) -> FloatArray:
         which = np.zeros(len(space), dtype=np.bool_)
         lights = self.chromosome.lights
         which[random.choice(lights) if random.random() < _ONE_LIGHT_GENE else lights] = True
-        return redrawn(values, space, random, which)
+        return redraw_genes(values, space, random, which)
 
 
 def _one_of(slots: list[int], random: np.random.Generator) -> int:

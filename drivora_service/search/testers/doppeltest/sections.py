@@ -37,7 +37,7 @@ class ActorSection:
         self._offsets = {name: offset for offset, name in enumerate(names)}
         self._empty = [np.array([gene.low for gene in block.genes]) for block in blocks]
 
-    def taken(self, values: FloatArray) -> list[int]:
+    def taken_slots(self, values: FloatArray) -> list[int]:
         """Returns the slots that hold an actor."""
         # A few genes of a vector are read faster one by one.
         return [slot for slot, gene in enumerate(self._presence) if values.item(gene) > 0.0]
@@ -52,7 +52,7 @@ class ActorSection:
 
     def actors(self, values: FloatArray) -> list[FloatArray]:
         """Returns copies of the genes of all actors."""
-        return [self.actor(values, slot) for slot in self.taken(values)]
+        return [self.actor(values, slot) for slot in self.taken_slots(values)]
 
     def gene(self, values: FloatArray, slot: int, name: str) -> float:
         """Returns one gene of an actor."""
@@ -70,13 +70,13 @@ class ActorSection:
 
     def add(self, values: FloatArray, actor: FloatArray) -> None:
         """Puts an actor into the first empty slot."""
-        taken = self.taken(values)
+        taken = self.taken_slots(values)
         self.put(values, next(slot for slot in range(self.most) if slot not in taken), actor)
 
     def remove(self, values: FloatArray, slot: int) -> None:
         """Removes an actor; the last of the others moves into a slot that is never empty."""
         if slot not in self._optional:
-            last = [other for other in self.taken(values) if other in self._optional][-1]
+            last = [other for other in self.taken_slots(values) if other in self._optional][-1]
             self.put(values, slot, self.actor(values, last))
             slot = last
         self._clear(values, slot)

@@ -34,5 +34,5 @@ def _draw_egos(chromosome: Chromosome, values: FloatArray, random: np.random.Gen
             return
     pairs = chromosome.conflicts.pairs()
     pair = pairs[random.choice(len(pairs))]
-    for slot, path in zip(egos.taken(values), pair, strict=False):
+    for slot, path in zip(egos.taken_slots(values), pair, strict=False):
         values[egos.index(slot, PATH)] = path

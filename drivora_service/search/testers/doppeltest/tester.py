@@ -89,7 +89,9 @@ class DoppelTest:
                 count = self._parameters.offspring
                 proposals = tuple(self._child(generation) for _ in range(count))
             evaluations = yield proposals
-            self.population = self._survivors([*self.population, *self._judged(evaluations)])
+            self.population = self._survivors(
+                [*self.population, *self._record_evaluations(evaluations)]
+            )
             generation += 1
 
     def _seed(self, generation: int) -> Proposal:
@@ -114,7 +116,7 @@ class DoppelTest:
             if values.tobytes() not in self._proposed:
                 break
         else:
-            values = self._changed(values)
+            values = self._mutate_values(values)
         self._proposed.add(values.tobytes())
         numbers = tuple(parent.number for parent in parents)
         return Proposal(
@@ -130,14 +132,14 @@ class DoppelTest:
     def _mutate(self) -> tuple[FloatArray, list[Individual], int]:
         parent = self.population[self._random.integers(len(self.population))]
         values, redrawn = self._redrawing.draw(
-            lambda: self._changed(parent.values), parent.values, parent.without_effect
+            lambda: self._mutate_values(parent.values), parent.values, parent.without_effect
         )
         return values, [parent], redrawn
 
-    def _changed(self, values: FloatArray) -> FloatArray:
+    def _mutate_values(self, values: FloatArray) -> FloatArray:
         return self._space.clip(self._mutation.mutate(values, self._space, self._random))
 
-    def _judged(self, evaluations: Sequence[Evaluation]) -> list[Individual]:
+    def _record_evaluations(self, evaluations: Sequence[Evaluation]) -> list[Individual]:
         """Returns the judged candidates with their objectives, in the order of telling."""
         individuals = []
         for evaluation in evaluations:

@@ -121,11 +121,11 @@ class Adding:
                 values[block.slice] = fresh[block.slice]
             return Addition(values=values, part=Part.WEATHER)
         if target is Part.PATCH:
-            block = self._chosen(self._blocks[Part.PATCH], values)
+            block = self._choose_block(self._blocks[Part.PATCH], values)
             self._draw(block, values, None)
             return Addition(values=values, part=Part.PATCH)
         part, navigation = self._actor()
-        block = self._chosen(self._blocks[part], values)
+        block = self._choose_block(self._blocks[part], values)
         self._place(block, values, navigation)
         return Addition(values=values, part=part)
 
@@ -138,7 +138,7 @@ class Adding:
             return Part.OBSTACLE, Navigation.IMMOBILE
         return kinds[self._random.integers(len(kinds))], navigation
 
-    def _chosen(self, blocks: Sequence[Block], values: FloatArray) -> Block:
+    def _choose_block(self, blocks: Sequence[Block], values: FloatArray) -> Block:
         """Draws one of the absent blocks; of all, if none is absent."""
         absent = [block for block in blocks if values[block.start] == 0.0]
         among = absent or list(blocks)

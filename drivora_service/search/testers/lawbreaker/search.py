@@ -43,12 +43,14 @@ class LawbreakerSearch:
         """Searches without end: populations, each bred for some generations."""
         origin = "initial"
         while True:
-            population = self._measured((yield self._drawn(origin)))
+            population = self._archive_generation((yield self._draw_proposals(origin)))
             for _ in range(self._parameters.generations - 1):
                 targets = self._targets()
                 if not targets:
                     break
-                population = self._measured((yield self._bred(targets, population)))
+                population = self._archive_generation(
+                    (yield self._breed_proposals(targets, population))
+                )
             origin = "restart"
 
     def _targets(self) -> tuple[tuple[str, Individual], ...]:
@@ -61,13 +63,13 @@ class LawbreakerSearch:
         near = tuple((name, one) for name, one in nearest if one.costs[name] < _FLAT)
         return near or nearest
 
-    def _drawn(self, origin: str) -> tuple[Proposal, ...]:
+    def _draw_proposals(self, origin: str) -> tuple[Proposal, ...]:
         drawn = self._space.sample(self._random, self._parameters.population)
         return tuple(
             Proposal(values=row, origin=origin, generation=self._generation) for row in drawn
         )
 
-    def _bred(
+    def _breed_proposals(
         self, targets: tuple[tuple[str, Individual], ...], population: tuple[Individual, ...]
     ) -> tuple[Proposal, ...]:
         """Returns the next generation: the targets take turns as what a child is bred towards."""
@@ -83,7 +85,7 @@ class LawbreakerSearch:
         values, origins, parents = parent.values, [], [parent]
         if population and self._random.random() < self._parameters.crossover_rate:
             mate = self._mate(target, population)
-            values = self._crossed(values, mate.values)
+            values = self._cross(values, mate.values)
             if (values != parent.values).any():
                 origins.append("crossover")
                 parents.append(mate)
@@ -100,7 +102,7 @@ class LawbreakerSearch:
             parents=tuple(one.number for one in parents),
         )
 
-    def _crossed(self, first: FloatArray, second: FloatArray) -> FloatArray:
+    def _cross(self, first: FloatArray, second: FloatArray) -> FloatArray:
         children = one_point(first, second, self._space, self._random)
         return children[int(self._random.integers(2))]
 
@@ -111,7 +113,7 @@ class LawbreakerSearch:
         mates: list[Individual] = [population[int(place)] for place in drawn]
         return min(mates, key=lambda one: one.costs[target])
 
-    def _measured(self, evaluations: tuple[Evaluation, ...]) -> tuple[Individual, ...]:
+    def _archive_generation(self, evaluations: tuple[Evaluation, ...]) -> tuple[Individual, ...]:
         """Returns the measured scenarios of a generation, after they are in the archive."""
         self._generation += 1
         found = [self.archive.individual(evaluation) for evaluation in evaluations]

@@ -57,19 +57,19 @@ class Database:
     @property
     def values(self) -> FloatArray:
         """(n, d) genes."""
-        return self._stacked()[0]
+        return self._stack_tables()[0]
 
     @property
     def features(self) -> FloatArray:
         """(n, e) features."""
-        return self._stacked()[1]
+        return self._stack_tables()[1]
 
     @property
     def objectives(self) -> FloatArray:
         """(n, m) objectives."""
-        return self._stacked()[2]
+        return self._stack_tables()[2]
 
-    def _stacked(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _stack_tables(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         if self._tables is None:
             values, features, objectives = self._values, self._features, self._objectives
             self._tables = np.stack(values), np.stack(features), np.stack(objectives)
@@ -136,7 +136,7 @@ class Archive:
         """Returns an objective's least value of all rounds and the number of its evaluation."""
         return self._best.get(objective)
 
-    def uncovered(self, names: tuple[str, ...]) -> BoolArray:
+    def is_uncovered(self, names: tuple[str, ...]) -> BoolArray:
         """Returns which of the objectives (m,) are not covered in this round."""
         return np.array([name not in self._covered for name in names], dtype=np.bool_)
 

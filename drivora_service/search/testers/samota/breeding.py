@@ -50,7 +50,7 @@ class Region:
         """The gene space with the bounds of the region."""
         if self._members is None:
             return self._whole_space
-        narrowed = (_narrowed(one, self.lows, self.highs) for one in self._whole_space.blocks)
+        narrowed = (_narrow_block(one, self.lows, self.highs) for one in self._whole_space.blocks)
         return GeneSpace(tuple(narrowed))
 
     def sample(self, random: np.random.Generator, count: int) -> FloatArray:
@@ -71,7 +71,7 @@ class Region:
         return drawn
 
 
-def _narrowed(block: Block, lows: FloatArray, highs: FloatArray) -> Block:
+def _narrow_block(block: Block, lows: FloatArray, highs: FloatArray) -> Block:
     bounds = zip(block.genes, lows[block.slice], highs[block.slice], strict=True)
     genes = tuple(replace(gene, low=float(low), high=float(high)) for gene, low, high in bounds)
     return replace(block, genes=genes)
@@ -107,9 +107,9 @@ class Breeding:
         children = np.concatenate((one, other))[: len(parents)]
         if self.mutation is not None:
             return np.stack([self.mutation.mutate(c, region.space, random) for c in children])
-        return self._mutated(children, region, random)
+        return self._mutate(children, region, random)
 
-    def _mutated(
+    def _mutate(
         self, values: FloatArray, region: Region, random: np.random.Generator
     ) -> FloatArray:
         """Changes each gene with probability 1 over their number, and at least one.

@@ -29,10 +29,10 @@ def density_clusters(points: FloatArray, least: int) -> tuple[IntArray, ...]:
         Rows of each cluster, in ascending order.
     """
     merges = _merges(*_spanning_tree(points, least))
-    clusters = _condensed(merges, len(points), least)
+    clusters = _condense_tree(merges, len(points), least)
     return tuple(
         np.array(sorted(_points(clusters, number)), dtype=np.int64)
-        for number in _selected(clusters)
+        for number in _select_clusters(clusters)
     )
 
 
@@ -126,7 +126,7 @@ def _root(parents: list[int], node: int) -> int:
     return node
 
 
-def _condensed(merges: list[_Merge], n: int, least: int) -> list[_Cluster]:
+def _condense_tree(merges: list[_Merge], n: int, least: int) -> list[_Cluster]:
     """Returns the hierarchy of clusters of at least the least size; the first is all points."""
 
     def size(node: int) -> int:
@@ -170,7 +170,7 @@ def _leaves(merges: list[_Merge], n: int, node: int) -> list[int]:
     return points
 
 
-def _selected(clusters: list[_Cluster]) -> list[int]:
+def _select_clusters(clusters: list[_Cluster]) -> list[int]:
     """Returns the numbers of the most stable clusters of which none contains another.
 
     All points together are no cluster.

@@ -78,7 +78,7 @@ class LocalSearch:
         features, values = database.features[top], database.values[top]
         finds = []
         for rows in clusters_of(features, self.cluster):
-            surrogate = RadialBasis.fit(features[rows], _scaled(scores[top[rows]]))
+            surrogate = RadialBasis.fit(features[rows], _scale_scores(scores[top[rows]]))
             region = Region(space=space, members=values[rows])
             found = self._evolve(surrogate, region, encoding, database, random)
             if found is not None:
@@ -113,7 +113,7 @@ class LocalSearch:
         return None
 
 
-def _scaled(scores: FloatArray) -> FloatArray:
+def _scale_scores(scores: FloatArray) -> FloatArray:
     """Returns scores (n,) as one objective (n, 1) of mean 0 and deviation 1."""
     deviation = float(scores.std())
     centred = scores - scores.mean()

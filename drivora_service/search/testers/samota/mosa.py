@@ -70,7 +70,7 @@ class _Keeper:
         self.values: list[FloatArray | None] = [None] * count
         self._is_known = is_known
 
-    def look(self, scores: FloatArray, values: FloatArray, features: FloatArray) -> None:
+    def consider(self, scores: FloatArray, values: FloatArray, features: FloatArray) -> None:
         """Considers q candidates with scores (q, m)."""
         for j in range(scores.shape[1]):
             better = np.flatnonzero(scores[:, j] < self.scores[j])
@@ -121,8 +121,8 @@ class Mosa:
         values, objectives = start, said.objectives
         best = _Keeper(objectives.shape[1], is_known)
         uncertain = _Keeper(objectives.shape[1], is_known)
-        best.look(objectives, values, features)
-        uncertain.look(-said.uncertainty, values, features)
+        best.consider(objectives, values, features)
+        uncertain.consider(-said.uncertainty, values, features)
         for _ in range(self.generations):
             open_: BoolArray = best.scores > self.threshold
             if not open_.any():
@@ -132,8 +132,8 @@ class Mosa:
             children = self.breeding.children(values, region, random)
             features = encode(children)
             said = predict(features)
-            best.look(said.objectives, children, features)
-            uncertain.look(-said.uncertainty, children, features)
+            best.consider(said.objectives, children, features)
+            uncertain.consider(-said.uncertainty, children, features)
             values = np.concatenate((values, children))
             objectives = np.concatenate((objectives, said.objectives))
         return Found(best=tuple(best.values), uncertain=tuple(uncertain.values))

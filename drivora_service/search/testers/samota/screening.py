@@ -38,7 +38,7 @@ class Screened:
         return np.concatenate(said, axis=1)
 
 
-def screened(*fits: Fit) -> tuple[Fit, ...]:
+def add_screening(*fits: Fit) -> tuple[Fit, ...]:
     """Returns fit functions that use the relevant features of each objective.
 
     They are meant to be called one after another with the same arrays, which are screened once.

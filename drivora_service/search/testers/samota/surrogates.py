@@ -70,7 +70,7 @@ class RadialBasis:
         return RadialBasis(
             centres=features,
             width=width,
-            coefficients=_solved(np.exp(-squared / width), SMOOTHING, objectives),
+            coefficients=_solve_ridge(np.exp(-squared / width), SMOOTHING, objectives),
         )
 
     def predict(self, features: FloatArray) -> FloatArray:
@@ -98,15 +98,17 @@ class Polynomial:
     @staticmethod
     def fit(features: FloatArray, objectives: FloatArray) -> Polynomial:
         """Fits the coefficients."""
-        points = _centred(features)
+        points = _centre_features(features)
         return Polynomial(
             points=points,
-            coefficients=_solved(_products(points, points), SHRINKAGE, objectives),
+            coefficients=_solve_ridge(_products(points, points), SHRINKAGE, objectives),
         )
 
     def predict(self, features: FloatArray) -> FloatArray:
         """Returns the objectives."""
-        predicted: FloatArray = _products(_centred(features), self.points) @ self.coefficients
+        predicted: FloatArray = (
+            _products(_centre_features(features), self.points) @ self.coefficients
+        )
         return predicted
 
 
@@ -241,7 +243,7 @@ def _products(first: FloatArray, second: FloatArray) -> FloatArray:
     return kernel
 
 
-def _solved(kernel: FloatArray, ridge: float, objectives: FloatArray) -> FloatArray:
+def _solve_ridge(kernel: FloatArray, ridge: float, objectives: FloatArray) -> FloatArray:
     """Returns the coefficients (n, m) of a kernel (n, n) with a ridge; changes the kernel."""
     from scipy.linalg.lapack import dpotrf, dpotrs
 
@@ -254,6 +256,6 @@ def _solved(kernel: FloatArray, ridge: float, objectives: FloatArray) -> FloatAr
     return np.asarray(coefficients)
 
 
-def _centred(features: FloatArray) -> FloatArray:
+def _centre_features(features: FloatArray) -> FloatArray:
     """Maps 0..1 to -1..1, so that the terms of first and second degree are not correlated."""
     return 2.0 * features - 1.0

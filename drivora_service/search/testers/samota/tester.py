@@ -25,7 +25,7 @@ from drivora_service.search.testers.samota.initialisation import AdaptiveRandom
 from drivora_service.search.testers.samota.local_search import LocalSearch
 from drivora_service.search.testers.samota.mosa import Mosa, PreferenceSorting
 from drivora_service.search.testers.samota.parameters import SamotaParameters
-from drivora_service.search.testers.samota.screening import screened
+from drivora_service.search.testers.samota.screening import add_screening
 from drivora_service.search.testers.samota.surrogates import Kriging, Polynomial, RadialBasis
 from drivora_service.search.testers.script import Script, ScriptedTester
 
@@ -74,14 +74,16 @@ class SamotaSearch:
     def run(self) -> Script:
         """Searches without end."""
         generation = 0
-        yield from self._simulate(self._explored(self._parameters.initial, generation))
+        yield from self._simulate(self._propose_initial(self._parameters.initial, generation))
         while True:
-            for search in (self._searched_globally, self._searched_locally):
+            for search in (self._search_globally, self._search_locally):
                 generation += 1
                 targets = self._targets()
                 found = search(targets, generation) if len(targets) else ()
                 # If nothing can be learnt, or all found candidates are known, explore elsewhere.
-                yield from self._simulate(found or self._explored(max(len(targets), 1), generation))
+                yield from self._simulate(
+                    found or self._propose_initial(max(len(targets), 1), generation)
+                )
 
     def _simulate(self, proposals: tuple[Proposal, ...]) -> Script:
         for evaluation in (yield proposals):
@@ -103,13 +105,13 @@ class SamotaSearch:
         if len(self.database) < 2 * self._parameters.folds:
             return np.empty(0, dtype=np.int64)
         differs: BoolArray = np.greater(np.ptp(self.database.objectives, axis=0), 0.0)
-        targets = np.flatnonzero(differs & self.archive.uncovered(self.database.names))
+        targets = np.flatnonzero(differs & self.archive.is_uncovered(self.database.names))
         if len(targets):
             return targets
         self.archive.begin_round()
         return np.flatnonzero(differs)
 
-    def _explored(self, count: int, generation: int) -> tuple[Proposal, ...]:
+    def _propose_initial(self, count: int, generation: int) -> tuple[Proposal, ...]:
         drawn = [self._initialisation.draw(self._random) for _ in range(count)]
         for values in drawn:
             self.database.note(values)
@@ -117,14 +119,14 @@ class SamotaSearch:
             Proposal(values=values, origin="initial", generation=generation) for values in drawn
         )
 
-    def _searched_globally(self, targets: IntArray, generation: int) -> tuple[Proposal, ...]:
+    def _search_globally(self, targets: IntArray, generation: int) -> tuple[Proposal, ...]:
         parameters, database = self._parameters, self.database
         rows = database.training_rows(targets, parameters.training)
         kriging = partial(Kriging.fit, components=parameters.components)
         ensemble = fit_ensemble(
             database.features[rows],
             database.objectives[np.ix_(rows, targets)],
-            screened(RadialBasis.fit, Polynomial.fit, kriging),
+            add_screening(RadialBasis.fit, Polynomial.fit, kriging),
             self._random,
             folds=parameters.folds,
         )
@@ -139,7 +141,7 @@ class SamotaSearch:
         proposals = []
         for best, uncertain in zip(found.best, found.uncertain, strict=True):
             for values, origin in ((best, "best"), (uncertain, "uncertain")):
-                if values is not None and self._is_new(values):
+                if values is not None and self._note_if_new(values):
                     proposals.append(
                         Proposal(values=values.copy(), origin=origin, generation=generation)
                     )
@@ -151,7 +153,7 @@ class SamotaSearch:
         drawn = self._space.sample(self._random, size - len(near))
         return np.concatenate((self.database.values[near], drawn))
 
-    def _searched_locally(self, targets: IntArray, generation: int) -> tuple[Proposal, ...]:
+    def _search_locally(self, targets: IntArray, generation: int) -> tuple[Proposal, ...]:
         finds = (
             find
             for target in targets
@@ -167,10 +169,10 @@ class SamotaSearch:
                 parents=tuple(self.database.numbers[row] for row in find.members),
             )
             for find in finds
-            if self._is_new(find.values)
+            if self._note_if_new(find.values)
         )
 
-    def _is_new(self, values: FloatArray) -> bool:
+    def _note_if_new(self, values: FloatArray) -> bool:
         """Returns whether a candidate was not proposed before, and records it as proposed."""
         is_new = not self.database.knows(self._encoding.encode(values[None])[0])
         self.database.note(values)
