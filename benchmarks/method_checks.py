@@ -35,7 +35,7 @@ from drivora_service.campaigns.evaluation.local_evaluator import LocalEvaluator
 from drivora_service.campaigns.records.campaign_folder import CampaignFolder
 from drivora_service.campaigns.records.journal import MemoryJournal
 from drivora_service.campaigns.records.store_journal import StoreJournal
-from drivora_service.campaigns.search.arithmetic import use_one_thread
+from drivora_service.campaigns.records.stored_campaigns import use_one_thread
 from drivora_service.campaigns.search.conducting import conduct
 from drivora_service.campaigns.search.search_preparation import prepare_search
 from drivora_service.execution.local import LocalExecutor

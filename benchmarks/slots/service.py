@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from benchmarks.slots.spent import Spent, measure_spent
-from drivora_service.execution.collection import settle_garbage_collector
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.executor import Executor
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
@@ -21,6 +20,7 @@ from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.runs.slot_state import SlotState
+from drivora_service.serving import settle_garbage_collector
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.locks.command_locks import CommandLocks
 from drivora_service.store.runs.run_records import NewRun, Priority

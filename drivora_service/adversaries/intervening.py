@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from drivora_service.adversaries.adversary_situation import Situation
@@ -12,7 +13,6 @@ from drivora_service.adversaries.adversary_vehicles import (
     vehicle_on_route,
 )
 from drivora_service.adversaries.adversary_walkers import CROSSINGS, walker_across
-from drivora_service.adversaries.skies import SKIES, sky
 from drivora_service.geometry.boxes import box_gap
 from drivora_service.runs.adversary import Action
 from drivora_service.scenario.checks.place_checks import check_places
@@ -26,6 +26,29 @@ from drivora_service.simulation.episode import Episode
 
 _ROOM = 1.0
 """Metres that must be free around an actor that appears."""
+
+
+SKIES: Mapping[Action, Mapping[str, float]] = {
+    Action.CLEAR_SKY: {
+        "cloudiness": 0.0,
+        "precipitation": 0.0,
+        "precipitation_deposits": 0.0,
+        "wetness": 0.0,
+        "fog_density": 0.0,
+    },
+    Action.LIGHT_RAIN: {"cloudiness": 60.0, "precipitation": 30.0, "wetness": 40.0},
+    Action.HEAVY_RAIN: {"cloudiness": 100.0, "precipitation": 100.0, "wetness": 100.0},
+    Action.FOG: {"fog_density": 80.0},
+    Action.NOON: {"sun_altitude_angle": 70.0},
+    Action.DUSK: {"sun_altitude_angle": 3.0},
+    Action.NIGHT: {"sun_altitude_angle": -10.0},
+}
+"""The conditions that an action sets, as fields of ``Weather``; the others stay."""
+
+
+def sky(action: Action, weather: Weather) -> Weather:
+    """Returns the weather after an action."""
+    return replace(weather, **SKIES[action])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

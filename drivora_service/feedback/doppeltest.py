@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 
 from drivora_service.feedback.ego_decisions import DecisionThresholds, find_decisions
-from drivora_service.feedback.ego_distance import least_ego_distance
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
 from drivora_service.networks.routes.route_meetings import find_meetings
+from drivora_service.observations.proximity import gaps_between
 from drivora_service.observations.run_view import RunView
-from drivora_service.observations.trace import EgoRoute
+from drivora_service.observations.trace import LEVEL_GAP, Col, EgoRoute
 from drivora_service.parameters import read_parameters
 
 EGO_DISTANCE = "ego_distance"
@@ -29,6 +29,37 @@ CONFLICTS = "conflicts"
 
 _SAME_PLACE = 1.5
 """Metres up to which places on two routes are the same."""
+
+
+def least_ego_distance(run: RunView) -> float | None:
+    """Returns the least gap between the boxes of any two egos in metres, 0 if they touch.
+
+    Counts while at least one of the two is driving: an ego that waits for its start, or stands at
+    its end, is an obstacle for the other. Egos on different levels of a bridge are not near.
+
+    Returns:
+        ``None`` if no two egos were on the road together.
+    """
+    trace, count = run.trace, run.trace.ego_count
+    one, other = np.triu_indices(count, k=1)
+    driving = np.zeros((trace.step_count, count), dtype=np.bool_)
+    for ego in run.egos:
+        driving[ego.first : ego.first + ego.count, ego.row] = True
+    states, present = trace.states[:, :count], trace.present[:, :count]
+    climb = np.abs(states[:, one, Col.Z] - states[:, other, Col.Z])
+    together = present[:, one] & present[:, other] & (driving[:, one] | driving[:, other])
+    together &= climb <= LEVEL_GAP
+    offsets = states[:, one, : Col.YAW] - states[:, other, : Col.YAW]
+    between = np.where(together, np.hypot(offsets[..., 0], offsets[..., 1]), np.inf)
+    half = np.array([0.5 * math.hypot(ego.actor.length, ego.actor.width) for ego in run.egos])
+    at_least = between.min(axis=0, initial=np.inf) - half[one] - half[other]
+    least = math.inf
+    for pair in np.argsort(at_least, kind="stable"):
+        if at_least[pair] >= least:
+            break
+        gaps = gaps_between(trace, int(one[pair]), int(other[pair]))
+        least = min(least, float(gaps[together[:, pair]].min()))
+    return None if math.isinf(least) else least
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,11 +17,17 @@ from pydantic_core import to_jsonable_python
 from drivora_service.errors import OracleError, UnknownName
 from drivora_service.oracles.built_in import default_oracles
 from drivora_service.oracles.installed_oracles import InstalledOracle, traceback_of
-from drivora_service.oracles.laws.description import law_description
+from drivora_service.oracles.laws.law import Law
 from drivora_service.oracles.laws.law_judging import LawOracle
 from drivora_service.oracles.laws.library import LawLibrary
 from drivora_service.oracles.laws.sources import LawSource
-from drivora_service.oracles.oracle_descriptions import OracleDescription, find_description
+from drivora_service.oracles.oracle_descriptions import (
+    SHARE,
+    OracleDescription,
+    ThresholdDescription,
+    ViolatedBy,
+    find_description,
+)
 from drivora_service.oracles.plugin import OraclePlugin
 from drivora_service.oracles.verdict import Oracle
 from drivora_service.plugin_table import PluginTable
@@ -29,6 +35,26 @@ from drivora_service.plugin_table import PluginTable
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _LONGEST_NAME = 60
 """Maximum length of a name in the database, characters."""
+
+
+def law_description(law: Law) -> OracleDescription:
+    """Returns the description of a law; what it measures is its robustness."""
+    return OracleDescription(
+        name=law.name,
+        definition=law.description,
+        unit=SHARE,
+        violated_by=ViolatedBy.BELOW,
+        thresholds=tuple(
+            ThresholdDescription(
+                name=parameter.name,
+                unit=parameter.unit,
+                meaning=parameter.meaning,
+                source=law.source,
+            )
+            for parameter in law.parameters
+        ),
+        source=law.source,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

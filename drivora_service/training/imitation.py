@@ -20,11 +20,13 @@ from pathlib import Path
 from typing import Any
 
 import torch
+from torch import Tensor, nn
 
-from drivora_service.agents.ad_mlp.network import AdMlpNetwork, AdMlpWeights
-from drivora_service.agents.ad_mlp.view import AdMlpView
+from drivora_service.agents.ad_mlp.network import HIDDEN, AdMlpNetwork, AdMlpWeights
+from drivora_service.agents.ad_mlp.view import SEEN_SIZE, AdMlpView
 from drivora_service.agents.idm.agent import IdmAgent
 from drivora_service.agents.imitation.agent import Network, View, WaypointAgent
+from drivora_service.agents.imitation.waypoints import STEP_SCALE, WAYPOINTS
 from drivora_service.agents.imitation.weights import save_weights
 from drivora_service.agents.plant_lite.network import PlantNetwork, PlantWeights
 from drivora_service.agents.plant_lite.view import PlantView
@@ -44,14 +46,43 @@ from drivora_service.training.fitting import (
     errors_of,
     fit,
 )
-from drivora_service.training.mlp_network import AdMlpTrainee
 from drivora_service.training.plant_network import PlantTrainee
 from drivora_service.training.training_courses import plans
-from drivora_service.training.weight_exchange import weights_of
+from drivora_service.training.weight_exchange import Parts, weights_of
 
 _SEED = 100_000
 """Seed of the first stage's routes; each further stage adds 100,000."""
 HELD_OUT_SEED = 900_000
+
+
+class AdMlpTrainee:
+    """The network in training."""
+
+    def __init__(self) -> None:
+        self.modules = nn.Sequential(
+            nn.Linear(SEEN_SIZE, HIDDEN),
+            nn.ReLU(),
+            nn.Linear(HIDDEN, HIDDEN),
+            nn.ReLU(),
+            nn.Linear(HIDDEN, 2 * WAYPOINTS),
+        )
+
+    def waypoints(self, seen: Tensor) -> Tensor:
+        """Returns (n, 4, 2) waypoints in metres for (n, 112) numbers."""
+        steps = self.modules(seen).reshape(-1, WAYPOINTS, 2)
+        return STEP_SCALE * torch.cumsum(steps, dim=1)
+
+    def parts(self) -> dict[str, Parts]:
+        """Returns the parameters by the agent's names for them."""
+        first, second, steps = (self.modules[k] for k in (0, 2, 4))
+        return {
+            "first": first.weight,
+            "first_bias": first.bias,
+            "second": second.weight,
+            "second_bias": second.bias,
+            "steps": steps.weight,
+            "steps_bias": steps.bias,
+        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from drivora_service.adversaries.adversary_vehicles import MANOEUVRES
-from drivora_service.adversaries.intervening import intervene
-from drivora_service.adversaries.skies import SKIES
+from drivora_service.adversaries.intervening import SKIES, intervene
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.networks.projection import nearest_lane_position
 from drivora_service.observations.trace import TerminalEvent, Trace

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import gc
 
-from drivora_service.execution.collection import settle_garbage_collector
+from drivora_service.serving import settle_garbage_collector
 
 
 def test_permanent_objects_are_not_traversed_and_many_new_ones_are_awaited() -> None:

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.catalogue import FeedbackCatalogue
-from drivora_service.feedback.doppeltest import DOPPELTEST
+from drivora_service.feedback.doppeltest import DOPPELTEST, least_ego_distance
 from drivora_service.feedback.ego_decisions import Decision
-from drivora_service.feedback.ego_distance import least_ego_distance
 from drivora_service.feedback.measurement import FeedbackChoice, Measurement
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.proximity import gaps_between

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import replace
@@ -13,7 +14,6 @@ from drivora_service.campaigns.document.campaign_documents import campaign_text
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.records.campaign_folder import CampaignFolder
 from drivora_service.campaigns.records.store_journal import StoreJournal
-from drivora_service.campaigns.search.arithmetic import use_one_thread
 from drivora_service.campaigns.search.conducting import Watcher, conduct
 from drivora_service.errors import (
     CampaignError,
@@ -32,6 +32,24 @@ from drivora_service.store.locks.work_locks import LongWork
 
 if TYPE_CHECKING:
     from drivora_service.campaigns.document.campaign_reading import ValidCampaign
+
+
+_VARIABLES = ("MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+
+
+def use_one_thread() -> None:
+    """Limits linear algebra to one thread in this process, for good.
+
+    For the small arrays of testers, several threads cost more than they bring. They would take the
+    cores of the workers, and add in an order that depends on their number. NumPy and SciPy load a
+    library each, SciPy when a tester first needs it.
+    """
+    # Imported here: commands that search nothing do not need it.
+    from threadpoolctl import ThreadpoolController
+
+    # For libraries that are loaded later; those that are loaded have read their variables.
+    os.environ.update(dict.fromkeys(_VARIABLES, "1"))
+    ThreadpoolController().limit(limits=1)
 
 
 def new_campaign(valid: ValidCampaign) -> NewCampaign:

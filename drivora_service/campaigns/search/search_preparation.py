@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from importlib.metadata import version
 
 import numpy as np
@@ -13,7 +14,6 @@ from drivora_service.campaigns.document.campaign_reading import ValidCampaign
 from drivora_service.campaigns.search.engine import Search
 from drivora_service.campaigns.search.failure_kinds import FailureKinds
 from drivora_service.campaigns.search.seed_turns import SearchPart
-from drivora_service.campaigns.search.shuffled_feedback import ShuffledFeedback
 from drivora_service.errors import InvalidDocument, NetworkError, Problem, SearchError
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.planned_motion import PlannedMotion
@@ -21,10 +21,49 @@ from drivora_service.scenario.model import NpcBehavior, Scenario
 from drivora_service.search.catalogue import make_components
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.space_candidates import ScenarioCandidates
-from drivora_service.search.tester import Checkpoints, Tester, TesterContext
+from drivora_service.search.tester import (
+    Checkpoints,
+    Evaluation,
+    EvaluationStatus,
+    Proposal,
+    Tester,
+    TesterContext,
+)
 
 _SEARCH, _SHUFFLE = 0, 1
 """Streams of random numbers that derive from a campaign's seed."""
+
+
+class ShuffledFeedback:
+    """Tells a tester, for each candidate, the results of one of the candidates judged so far.
+
+    It is drawn uniformly, the candidate itself included, so that the tester sees results that are
+    distributed as its own. Whether a candidate is valid is told truly, and so is which of its genes
+    had no effect: mutants are drawn again as with feedback, so that the twin differs in nothing but
+    the feedback.
+    """
+
+    def __init__(self, tester: Tester, random: np.random.Generator) -> None:
+        self._tester, self._random = tester, random
+        self._judged: list[Evaluation] = []
+
+    def ask(self, room: int) -> tuple[Proposal, ...]:
+        """Asks the tester."""
+        return self._tester.ask(room)
+
+    def tell(self, evaluation: Evaluation) -> None:
+        """Tells the tester the results of another candidate."""
+        if evaluation.status is EvaluationStatus.JUDGED:
+            self._judged.append(evaluation)
+            other = self._judged[int(self._random.integers(len(self._judged)))]
+            evaluation = replace(
+                evaluation,
+                violations=other.violations,
+                verdicts=other.verdicts,
+                scores=other.scores,
+                measurement=other.measurement,
+            )
+        self._tester.tell(evaluation)
 
 
 def prepare_search(

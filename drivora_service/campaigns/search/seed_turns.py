@@ -9,11 +9,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
-from drivora_service.campaigns.search.search_candidates import Candidates
 from drivora_service.errors import CampaignError
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.oracles.verdict import Verdict
+from drivora_service.runs.candidate import Candidate, Reference, SpaceSource
+from drivora_service.search.genes import GeneSpace
 from drivora_service.search.tester import Evaluation, Proposal, Tester
+
+
+class Candidates(Protocol):
+    """The space of the candidates; the same values always give the same candidate."""
+
+    @property
+    def genes(self) -> GeneSpace:
+        """The genes of the candidates."""
+        ...
+
+    @property
+    def source(self) -> SpaceSource:
+        """The space as workers get it, which decode the values."""
+        ...
+
+    def prepare(self, values: FloatArray, reference: Reference | None = None) -> Candidate:
+        """Repairs values (d,), decodes them, and checks the scenario, as workers do."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

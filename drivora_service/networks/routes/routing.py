@@ -144,7 +144,8 @@ def _find_way(network: RoadNetwork, points: tuple[RoutePoint, ...]) -> RouteMatc
         raise NoRoute(
             f"{_describe_point(points, match)} cannot be reached from "
             f"{_describe_point(points, match - 1)} on network {network.name!r}: no "
-            f"drivable way leads there; move one of them, or check that they lie on the side of the road that leads that way{_turn_hint(network)}"
+            f"drivable way leads there; move one of them, or check that they lie on the side "
+            f"of the road that leads that way{_turn_hint(network)}"
         )
     return match
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from drivora_service.errors import Problem, UnknownName
@@ -13,7 +13,6 @@ from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario import fields
 from drivora_service.scenario.checks.agent_checks import check_agents
 from drivora_service.scenario.checks.drafts import Doubts
-from drivora_service.scenario.checks.driving_checks import check_driving
 from drivora_service.scenario.checks.patch_checks import check_patches, place_patches
 from drivora_service.scenario.checks.place_checks import OffLanePlace, check_places
 from drivora_service.scenario.checks.placed_actors import PlacedActor, place_actors
@@ -21,10 +20,62 @@ from drivora_service.scenario.checks.route_checks import RouteCheck, check_route
 from drivora_service.scenario.checks.start_overlaps import StartPose, check_overlaps
 from drivora_service.scenario.conversion import background_count, frame_of, region
 from drivora_service.scenario.documents import ScenarioDocument
-from drivora_service.scenario.entities import BackgroundTrafficDocument, EgoDocument
+from drivora_service.scenario.entities import (
+    BackgroundTrafficDocument,
+    EgoDocument,
+    NpcVehicleDocument,
+    NpcWaypointDocument,
+)
 from drivora_service.scenario.frames import FrameTransform
-from drivora_service.scenario.model import EgoVehicle, Region, Scenario
+from drivora_service.scenario.model import (
+    EgoVehicle,
+    NpcBehavior,
+    NpcVehicle,
+    Region,
+    RouteEnd,
+    Scenario,
+    Waypoint,
+)
 from drivora_service.scenario.plain_data import pointer
+
+
+def check_driving(content: ScenarioDocument | Scenario) -> Iterator[Problem]:
+    """Yields a problem for each part that a vehicle could not follow.
+
+    SUMO drives vehicles of behavior ``sumo`` by its own models and removes them at their
+    destinations; a parked vehicle stands anyway, and never drives on.
+    """
+    vehicles: Sequence[NpcVehicleDocument | NpcVehicle] = content.npc_vehicles
+    for index, npc in enumerate(vehicles):
+        place = ("npc_vehicles", index)
+        if npc.behavior is NpcBehavior.SUMO:
+            if npc.at_end is not RouteEnd.LEAVE:
+                yield _not_for_sumo((*place, "at_end"), f"at_end {npc.at_end.value!r}")
+            for name in ("deceleration", "lateral_acceleration"):
+                value = getattr(npc, name)
+                if value is not None:
+                    yield _not_for_sumo((*place, name), f"{name} {value:g} m/s²")
+        waypoints: Sequence[NpcWaypointDocument | Waypoint] = npc.route
+        for number, waypoint in enumerate(waypoints):
+            if waypoint.wait is None:
+                continue
+            at = (*place, "route", number, "wait")
+            if npc.behavior is NpcBehavior.SUMO:
+                yield _not_for_sumo(at, f"wait {waypoint.wait:g} s")
+            elif len(npc.route) == 1:
+                message = (
+                    f"found wait {waypoint.wait:g} s at the only waypoint; such a vehicle is "
+                    "parked and stays: leave `wait` out, or add the waypoint to which it drives on"
+                )
+                yield Problem(pointer=pointer(at), code="parked_waits", message=message)
+
+
+def _not_for_sumo(place: tuple[str | int, ...], found: str) -> Problem:
+    message = (
+        f"found {found}, but SUMO drives a vehicle of behavior sumo by its own models and removes "
+        "it at its destination; use behavior reactive or replay, or leave it out"
+    )
+    return Problem(pointer=pointer(place), code="not_for_sumo", message=message)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

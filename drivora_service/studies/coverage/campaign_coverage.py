@@ -6,6 +6,7 @@ are recorded. Counting goes on where it ended, so that a growing campaign is nev
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 
@@ -13,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.networks.catalogue import NetworkLookup
+from drivora_service.networks.projection import project_points
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.oracles.verdicts.accountability import Accountability
 from drivora_service.scenario.canonical import from_canonical
-from drivora_service.scenario.model import Scenario
+from drivora_service.scenario.model import Scenario, Waypoint
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaigns.campaign_rows import CandidateRow
@@ -29,13 +31,55 @@ from drivora_service.studies.coverage.coverage_values import (
     ScenarioKind,
     Turn,
 )
-from drivora_service.studies.coverage.ego_turns import turns_of
 from drivora_service.studies.coverage.road_coverage import RoadCoverage
 
 BINS = 10
 """Bins of a continuous gene."""
 _MOST_BINS = 20
 """Of a gene that is a whole number."""
+
+
+_TURN = math.radians(45.0)
+_BACK = math.radians(135.0)
+
+
+def turns_of(network: RoadNetwork, scenarios: Sequence[Scenario]) -> list[set[Turn]]:
+    """Returns the turns of the egos of each scenario on a network.
+
+    Where the ends of a route have no heading, it is that of the lane there.
+    """
+    ends = [
+        end
+        for scenario in scenarios
+        for ego in scenario.ego_vehicles
+        for end in (ego.route[0], ego.route[-1])
+    ]
+    places = project_points(network, np.array([(end.x, end.y) for end in ends]))
+    headings = iter(
+        _heading(network, end, int(lane), float(s))
+        for end, lane, s in zip(ends, places.lane, places.s, strict=True)
+    )
+    return [
+        {_turn(next(headings), next(headings)) for _ in scenario.ego_vehicles}
+        for scenario in scenarios
+    ]
+
+
+def _heading(network: RoadNetwork, end: Waypoint, lane: int, s: float) -> float | None:
+    if end.yaw is not None or lane < 0:
+        return end.yaw
+    return network.lanes[lane].position_at(s)[2]
+
+
+def _turn(start: float | None, end: float | None) -> Turn:
+    if start is None or end is None:
+        return Turn.UNKNOWN
+    angle = math.remainder(end - start, math.tau)
+    if abs(angle) > _BACK:
+        return Turn.BACK
+    if abs(angle) <= _TURN:
+        return Turn.STRAIGHT
+    return Turn.LEFT if angle > 0.0 else Turn.RIGHT
 
 
 class CoverageCounts:

@@ -7,14 +7,14 @@ import os
 import subprocess
 import sys
 
-from drivora_service.campaigns.search.arithmetic import _VARIABLES
+from drivora_service.campaigns.records.stored_campaigns import _VARIABLES
 
 _LOOK = """
 import json
 import numpy
 from threadpoolctl import threadpool_info
 
-from drivora_service.campaigns.search.arithmetic import use_one_thread
+from drivora_service.campaigns.records.stored_campaigns import use_one_thread
 
 before = [library["num_threads"] for library in threadpool_info()]
 use_one_thread()

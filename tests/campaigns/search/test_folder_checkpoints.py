@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drivora_service.campaigns.search.folder_checkpoints import FolderCheckpoints
+from drivora_service.campaigns.records.campaign_folder import FolderCheckpoints
 
 
 def test_the_latest_of_stored_evaluations_is_taken(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 
 from drivora_service.campaigns.records.journal import MemoryJournal
-from drivora_service.campaigns.search.shuffled_feedback import ShuffledFeedback
+from drivora_service.campaigns.search.search_preparation import ShuffledFeedback
 from drivora_service.search.tester import EvaluationStatus
 from tests.campaigns.analytic import Climber, climber, run, sequence
 

@@ -26,8 +26,7 @@ from drivora_service.search.tester import (
     Tester,
     TesterContext,
 )
-from drivora_service.search.testers.avfuzzer.parameters import AvfuzzerParameters
-from drivora_service.search.testers.avfuzzer.search import AVFUZZER
+from drivora_service.search.testers.avfuzzer.search import AVFUZZER, AvfuzzerParameters
 from drivora_service.testing.gene_spaces import small_space
 from drivora_service.testing.tester_contract import TesterContract
 

@@ -27,8 +27,7 @@ from drivora_service.search.tester import (
     TesterContext,
 )
 from drivora_service.search.testers.decictor.mutation import ActorChanges, optional_actors
-from drivora_service.search.testers.decictor.parameters import DecictorParameters
-from drivora_service.search.testers.decictor.search import DECICTOR
+from drivora_service.search.testers.decictor.search import DECICTOR, DecictorParameters
 from drivora_service.testing.gene_spaces import small_space
 from drivora_service.testing.tester_contract import TesterContract
 

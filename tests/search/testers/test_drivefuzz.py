@@ -23,8 +23,7 @@ from drivora_service.search.tester import (
     Tester,
     TesterContext,
 )
-from drivora_service.search.testers.drivefuzz.parameters import DrivefuzzParameters
-from drivora_service.search.testers.drivefuzz.tester import DRIVEFUZZ
+from drivora_service.search.testers.drivefuzz.tester import DRIVEFUZZ, DrivefuzzParameters
 from drivora_service.testing.gene_spaces import small_space
 from drivora_service.testing.tester_contract import TesterContract
 

@@ -16,8 +16,11 @@ from drivora_service.search.components import Components
 from drivora_service.search.genes import Block, Gene, GeneKind, GeneSpace, Part
 from drivora_service.search.tester import Evaluation, EvaluationStatus, Proposal, TesterContext
 from drivora_service.search.testers.lawbreaker.archive import Archive
-from drivora_service.search.testers.lawbreaker.parameters import LawbreakerParameters
-from drivora_service.search.testers.lawbreaker.search import LAWBREAKER, LawbreakerSearch
+from drivora_service.search.testers.lawbreaker.search import (
+    LAWBREAKER,
+    LawbreakerParameters,
+    LawbreakerSearch,
+)
 from drivora_service.testing.gene_spaces import small_space
 from drivora_service.testing.tester_contract import TesterContract
 

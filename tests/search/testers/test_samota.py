@@ -15,9 +15,8 @@ from drivora_service.search.components import Components
 from drivora_service.search.genes import Block, Gene, GeneKind, GeneSpace, Part
 from drivora_service.search.tester import Evaluation, EvaluationStatus, Proposal, TesterContext
 from drivora_service.search.testers.samota.encoding import Encoding
-from drivora_service.search.testers.samota.initialisation import AdaptiveRandom
 from drivora_service.search.testers.samota.parameters import SamotaParameters
-from drivora_service.search.testers.samota.tester import SAMOTA, SamotaSearch
+from drivora_service.search.testers.samota.tester import SAMOTA, AdaptiveRandom, SamotaSearch
 from drivora_service.testing.gene_spaces import small_space
 from drivora_service.testing.tester_contract import TesterContract
 

@@ -10,8 +10,8 @@ from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.cli.campaigns.campaign_files import shipped_campaigns
 from drivora_service.scenario.model import Scenario
 from drivora_service.scenario.validation import validate_data
+from drivora_service.studies.coverage.campaign_coverage import turns_of
 from drivora_service.studies.coverage.coverage_values import Turn
-from drivora_service.studies.coverage.ego_turns import turns_of
 
 
 def shipped(catalogues: Catalogues, name: str, *, headings: bool) -> Scenario:

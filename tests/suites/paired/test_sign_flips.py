@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drivora_service.suites.paired.mcnemar import mcnemar_p
-from drivora_service.suites.paired.sign_flips import flip_p_values
+from drivora_service.suites.paired.metric_differences import flip_p_values
 
 
 def all_flips(values: list[float]) -> float:

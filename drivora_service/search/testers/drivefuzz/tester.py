@@ -9,8 +9,11 @@ violation, or the last cycle, ends with a new seed. The reference page explains 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.drivefuzz import QUALITY
@@ -21,8 +24,30 @@ from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.selection import Truncation
 from drivora_service.search.tester import Evaluation, Proposal, TesterContext
 from drivora_service.search.testers.drivefuzz.adding import Adding
-from drivora_service.search.testers.drivefuzz.parameters import DrivefuzzParameters
 from drivora_service.search.testers.script import Script, ScriptedTester
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DrivefuzzParameters:
+    """Defaults from Kim et al., "DriveFuzz" (CCS 2022), and its public code.
+
+    Attributes:
+        cycles: Number of cycles from one seed, unless a violation ends them (paper: 10).
+        mutants: Number of mutants of a cycle (paper: 8).
+        nearest: Metres from the ego's start at which a new actor appears, at least (code: 5).
+        farthest: The same, at most (code: 40).
+        patch_chance: Probability with which a mutant gets a slippery patch (code: 0.25).
+        weather_chance: Probability with which a mutant gets another weather (ours).
+        tries: Number of draws of an actor until it appears within these distances (ours).
+    """
+
+    cycles: Annotated[int, Field(ge=1)] = 10
+    mutants: Annotated[int, Field(ge=1)] = 8
+    nearest: Annotated[float, Field(ge=0.0)] = 5.0
+    farthest: Annotated[float, Field(gt=0.0)] = 40.0
+    patch_chance: Annotated[float, Field(ge=0.0, le=1.0)] = 0.25
+    weather_chance: Annotated[float, Field(ge=0.0, le=1.0)] = 0.25
+    tries: Annotated[int, Field(ge=1)] = 50
 
 
 class DrivefuzzSearch:

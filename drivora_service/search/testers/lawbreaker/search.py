@@ -9,7 +9,11 @@ scenarios are the nearest, and need not be run again.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Annotated
+
 import numpy as np
+from pydantic import Field
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import FeedbackChoice
@@ -20,11 +24,33 @@ from drivora_service.search.mutation import GaussianMutation
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.tester import Evaluation, Proposal, TesterContext
 from drivora_service.search.testers.lawbreaker.archive import Archive, Individual
-from drivora_service.search.testers.lawbreaker.parameters import LawbreakerParameters
 from drivora_service.search.testers.script import Script, ScriptedTester
 
 _FLAT = 1.0
 """Cost of a sub-violation that a scenario is not near to at all: its robustness is the least."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LawbreakerParameters:
+    """Defaults from Sun et al., "LawBreaker" (ASE 2022); the others are ours.
+
+    Attributes:
+        laws: Names of the laws whose sub-violations are searched for; none: all that judge runs.
+        population: Number of scenarios of a generation (paper: 20).
+        generations: Number of generations after which a new population is drawn (paper: 20).
+        crossover_rate: Probability with which a child is crossed with a second parent.
+        mutation_rate: Probability with which a child is mutated; one that equals its parent always
+            is.
+        tournament: Number of scenarios of which the second parent is the one nearest to the
+            violation.
+    """
+
+    laws: tuple[str, ...] = ()
+    population: Annotated[int, Field(ge=2)] = 20
+    generations: Annotated[int, Field(ge=1)] = 20
+    crossover_rate: Annotated[float, Field(ge=0.0, le=1.0)] = 0.8
+    mutation_rate: Annotated[float, Field(ge=0.0, le=1.0)] = 0.8
+    tournament: Annotated[int, Field(ge=1)] = 2
 
 
 class LawbreakerSearch:

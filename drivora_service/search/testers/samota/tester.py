@@ -9,6 +9,8 @@ import numpy as np
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.search.components import Components
+from drivora_service.search.distance import candidate_distances
+from drivora_service.search.genes import GeneSpace
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.tester import (
     Evaluation,
@@ -21,13 +23,35 @@ from drivora_service.search.testers.samota.archive import Archive, Database
 from drivora_service.search.testers.samota.breeding import Breeding, Region
 from drivora_service.search.testers.samota.encoding import Encoding
 from drivora_service.search.testers.samota.ensemble import fit_ensemble
-from drivora_service.search.testers.samota.initialisation import AdaptiveRandom
 from drivora_service.search.testers.samota.local_search import LocalSearch
 from drivora_service.search.testers.samota.mosa import Mosa, PreferenceSorting
 from drivora_service.search.testers.samota.parameters import SamotaParameters
 from drivora_service.search.testers.samota.screening import add_screening
 from drivora_service.search.testers.samota.surrogates import Kriging, Polynomial, RadialBasis
 from drivora_service.search.testers.script import Script, ScriptedTester
+
+
+class AdaptiveRandom:
+    """Draws several candidates and returns the one farthest from all returned before.
+
+    Source: Chen, Leung, Mak, "Adaptive random testing" (2004), with a candidate set of fixed size.
+    """
+
+    def __init__(self, space: GeneSpace, *, pool: int) -> None:
+        """Takes the space and the number of draws a candidate."""
+        self._space = space
+        self._pool = pool
+        self._given: FloatArray = np.empty((0, len(space)))
+
+    def draw(self, random: np.random.Generator) -> FloatArray:
+        """Returns the next candidate (d,)."""
+        drawn = self._space.sample(random, self._pool)
+        chosen = 0
+        if len(self._given):
+            nearest = candidate_distances(drawn, self._given, self._space).min(axis=1)
+            chosen = int(np.argmax(nearest))
+        self._given = np.concatenate((self._given, drawn[chosen : chosen + 1]))
+        return np.array(drawn[chosen])
 
 
 class SamotaSearch:
