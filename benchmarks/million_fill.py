@@ -23,12 +23,12 @@ from drivora_service.runs.report_encoding import report_to_json
 from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
 from drivora_service.runs.slot_state import SlotState
 from drivora_service.store.database import Database
+from drivora_service.store.engine.base_tables import DocumentRow
 from drivora_service.store.failures.failure_tables import FoundRow
 from drivora_service.store.runs.facets import Facet, add_counts, facet_key
 from drivora_service.store.runs.run_tables import (
     AttemptRow,
     BatchRow,
-    DocumentRow,
     ReportRow,
     RunRow,
     VerdictRow,

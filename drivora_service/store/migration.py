@@ -22,8 +22,8 @@ from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, StoreError
 from drivora_service.store.changes.revisions import new_epoch
+from drivora_service.store.engine.base_tables import Base, EpochRow
 from drivora_service.store.engine.postgresql import give_types_of_sqlite, lock_schema
-from drivora_service.store.runs.run_tables import Base, EpochRow
 
 if TYPE_CHECKING:
     from alembic.config import Config

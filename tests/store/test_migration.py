@@ -18,13 +18,13 @@ from sqlalchemy.types import TypeEngine
 from drivora_service.errors import StoreError
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.database import Database, open_database
+from drivora_service.store.engine.base_tables import Base
 from drivora_service.store.migration import (
     newest_revision,
     schema_version,
     upgrade,
 )
 from drivora_service.store.runs.run_records import JobFilter
-from drivora_service.store.runs.run_tables import Base
 from tests.postgresql_server import PostgresqlServer
 from tests.store.samples import only_sqlite
 

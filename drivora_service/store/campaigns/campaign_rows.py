@@ -15,7 +15,7 @@ from drivora_service.oracles.verdicts.failure_facts import avoidable_until, fail
 from drivora_service.oracles.verdicts.verdict_json import verdict_from_json
 from drivora_service.store.campaigns.campaign_repository import campaign_row
 from drivora_service.store.campaigns.campaign_tables import EvaluationRow, FailureRow
-from drivora_service.store.runs.run_tables import DocumentRow
+from drivora_service.store.engine.base_tables import DocumentRow
 
 Row = dict[str, Any]
 """Values by column."""

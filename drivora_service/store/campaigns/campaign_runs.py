@@ -12,6 +12,7 @@ from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.report_encoding import choice_to_json, report_from_json
 from drivora_service.runs.run_report import UNFINISHED, RunReport, RunStatus
 from drivora_service.store.campaigns.campaign_repository import campaign_row
+from drivora_service.store.engine.base_tables import DocumentRow
 from drivora_service.store.engine.chunks import batched
 from drivora_service.store.engine.stored_documents import store_documents
 from drivora_service.store.queue.endings import reset_run
@@ -23,7 +24,7 @@ from drivora_service.store.queue.queued_candidates import (
 from drivora_service.store.queue.submitting import submit_runs
 from drivora_service.store.runs.batch_repository import BatchRepository
 from drivora_service.store.runs.run_records import BatchState, NewRun, Priority
-from drivora_service.store.runs.run_tables import BatchRow, DocumentRow, ReportRow, RunRow
+from drivora_service.store.runs.run_tables import BatchRow, ReportRow, RunRow
 
 _WITHOUT_RESULT = frozenset({RunStatus.INFRASTRUCTURE_FAILED, RunStatus.CANCELLED})
 """Statuses of runs without a result of the scenario, which are run again."""

@@ -12,7 +12,7 @@ from datetime import datetime
 from sqlalchemy import ColumnElement, ForeignKey, Index, String, Text, false, text
 from sqlalchemy.orm import InstrumentedAttribute, Mapped, mapped_column
 
-from drivora_service.store.runs.run_tables import Base
+from drivora_service.store.engine.base_tables import Base
 
 
 class CampaignRow(Base):

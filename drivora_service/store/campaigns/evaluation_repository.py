@@ -20,9 +20,9 @@ from drivora_service.store.campaigns.campaign_repository import campaign_row
 from drivora_service.store.campaigns.campaign_tables import CampaignRow, EvaluationRow, FailureRow
 from drivora_service.store.campaigns.evaluation_writing import append_evaluations
 from drivora_service.store.campaigns.kind_counters import count_confirmation, count_groups
+from drivora_service.store.engine.base_tables import DocumentRow
 from drivora_service.store.engine.chunks import batched
 from drivora_service.store.failures.failure_writing import confirm_found
-from drivora_service.store.runs.run_tables import DocumentRow
 
 
 class EvaluationRepository:

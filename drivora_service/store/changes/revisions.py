@@ -32,10 +32,11 @@ from drivora_service.store.campaigns.campaign_tables import (
     FailureRow,
     StudyRow,
 )
+from drivora_service.store.engine.base_tables import EpochRow
 from drivora_service.store.engine.plain_statements import execute_many
 from drivora_service.store.failures.group_tables import FailureGroupRow
 from drivora_service.store.minimizations.minimization_tables import MinimizationRow
-from drivora_service.store.runs.run_tables import BatchRow, EpochRow, RunRow
+from drivora_service.store.runs.run_tables import BatchRow, RunRow
 from drivora_service.store.suites.suite_tables import SuiteRunRow
 
 _EPOCHS = cast("Table", EpochRow.__table__)

@@ -9,8 +9,8 @@ from typing import Any, cast
 from sqlalchemy import Table
 from sqlalchemy.orm import Session
 
+from drivora_service.store.engine.base_tables import DocumentRow
 from drivora_service.store.engine.dialects import insert_class
-from drivora_service.store.runs.run_tables import DocumentRow
 
 _DOCUMENTS = cast("Table", DocumentRow.__table__)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from alembic import context
 
-from drivora_service.store.runs.run_tables import Base
+from drivora_service.store.engine.base_tables import Base
 
 context.configure(
     connection=context.config.attributes["connection"],

@@ -7,7 +7,7 @@ from datetime import datetime
 from sqlalchemy import Index, String, Text, text
 from sqlalchemy.orm import Mapped, mapped_column
 
-from drivora_service.store.runs.run_tables import Base
+from drivora_service.store.engine.base_tables import Base
 
 
 class MinimizationRow(Base):

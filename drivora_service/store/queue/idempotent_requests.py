@@ -7,8 +7,8 @@ from datetime import UTC, datetime, timedelta
 from sqlalchemy import delete
 from sqlalchemy.orm import Session
 
+from drivora_service.store.engine.base_tables import IdempotencyRow
 from drivora_service.store.runs.run_records import Reservation
-from drivora_service.store.runs.run_tables import IdempotencyRow
 
 
 class IdempotencyRepository:

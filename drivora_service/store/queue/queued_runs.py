@@ -11,7 +11,8 @@ from sqlalchemy import ColumnElement, Select, Table, bindparam, literal_column, 
 
 from drivora_service.runs.lifecycle import RunState
 from drivora_service.runs.run_report import RunStatus
-from drivora_service.store.runs.run_tables import AttemptRow, DocumentRow, RunRow
+from drivora_service.store.engine.base_tables import DocumentRow
+from drivora_service.store.runs.run_tables import AttemptRow, RunRow
 
 RUNS = cast("Table", RunRow.__table__)
 ATTEMPTS = cast("Table", AttemptRow.__table__)

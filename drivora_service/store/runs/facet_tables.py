@@ -5,7 +5,7 @@ from __future__ import annotations
 from sqlalchemy import BigInteger, Boolean, ForeignKey, String
 from sqlalchemy.orm import Mapped, mapped_column
 
-from drivora_service.store.runs.run_tables import Base
+from drivora_service.store.engine.base_tables import Base
 
 
 class FacetRow(Base):

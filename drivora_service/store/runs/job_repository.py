@@ -13,6 +13,7 @@ from drivora_service.runs.report_encoding import report_from_json
 from drivora_service.runs.run_report import RunReport, RunStatus
 from drivora_service.shapes import combine, field_names, read_all
 from drivora_service.store.campaigns.campaign_tables import CampaignRow, is_campaign_of
+from drivora_service.store.engine.base_tables import DocumentRow
 from drivora_service.store.engine.chunks import batched
 from drivora_service.store.engine.paging import make_token, read_token
 from drivora_service.store.queue.cancelling import cancel_runs
@@ -29,13 +30,7 @@ from drivora_service.store.runs.run_records import (
     RunRecord,
     RunSummary,
 )
-from drivora_service.store.runs.run_tables import (
-    AttemptRow,
-    BatchRow,
-    DocumentRow,
-    ReportRow,
-    RunRow,
-)
+from drivora_service.store.runs.run_tables import AttemptRow, BatchRow, ReportRow, RunRow
 
 
 class JobRepository:

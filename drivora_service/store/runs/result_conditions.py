@@ -10,8 +10,8 @@ from sqlalchemy import ColumnElement, or_, select
 from sqlalchemy.orm import Session
 
 from drivora_service.store.campaigns.campaign_tables import CampaignRow
+from drivora_service.store.engine.base_tables import DocumentRow
 from drivora_service.store.runs.result_records import ResultFilter
-from drivora_service.store.runs.run_tables import DocumentRow
 
 _CELL = ("study_scenario", "study_agent", "study_method")
 

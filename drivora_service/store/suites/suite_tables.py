@@ -7,7 +7,7 @@ from datetime import datetime
 from sqlalchemy import ForeignKey, Index, String, Text
 from sqlalchemy.orm import Mapped, mapped_column
 
-from drivora_service.store.runs.run_tables import Base
+from drivora_service.store.engine.base_tables import Base
 
 
 class SuiteRunRow(Base):

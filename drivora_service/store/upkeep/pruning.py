@@ -22,13 +22,14 @@ from drivora_service.store.campaigns.campaign_records import CampaignState
 from drivora_service.store.campaigns.campaign_tables import CampaignRow, EvaluationRow
 from drivora_service.store.changes.revisions import next_revisions, revise_batches
 from drivora_service.store.database import Database
+from drivora_service.store.engine.base_tables import DocumentRow
 from drivora_service.store.engine.chunks import batched
 from drivora_service.store.minimizations.minimization_records import MinimizationState
 from drivora_service.store.minimizations.minimization_tables import MinimizationRow
 from drivora_service.store.runs.batch_repository import SINGLE_JOBS
 from drivora_service.store.runs.facet_tables import FacetRow
 from drivora_service.store.runs.facets import subtract_runs
-from drivora_service.store.runs.run_tables import BatchRow, DocumentRow, RunRow
+from drivora_service.store.runs.run_tables import BatchRow, RunRow
 from drivora_service.store.traces.trace_folders import RunTraces
 from drivora_service.store.upkeep.free_space import return_free_space
 
