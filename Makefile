@@ -147,15 +147,16 @@ pictures: $(DEV_STAMP) $(PAGE_STAMP) $(PAGE_TOOLS_STAMP) kernels ## Redraw the p
 	$(BIN)/python -m tests.docs.pictures
 
 lock: $(DEV_STAMP) ## Resolve the pinned packages again
-	for set in run dev build image; do \
+	for set in dev run build image; do \
 	  case $$set in \
-	    run) flags="--group build pyproject.toml" ;; \
 	    dev) flags="--extra cluster --extra networks --extra postgresql --group dev pyproject.toml" ;; \
+	    run) flags="--group build --constraints requirements/dev.txt pyproject.toml" ;; \
 	    build) flags="--group build --constraints requirements/dev.txt" ;; \
 	    image) flags="--extra postgresql --constraints requirements/dev.txt pyproject.toml" ;; \
 	  esac; \
 	  $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \
-	    --no-emit-index-url --no-emit-find-links --no-header --no-annotate $$flags \
+	    --no-emit-index-url --no-emit-find-links --no-header --no-annotate \
+	    --constraints requirements/bounds.in $$flags \
 	    --output-file requirements/$$set.txt; \
 	done
 
