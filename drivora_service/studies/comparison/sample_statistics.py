@@ -55,6 +55,10 @@ def compare_samples(first: Sample, second: Sample) -> Effect:
             )
         if not np.isfinite(sample).all():
             raise CampaignError(f"the {name} sample holds a value that is not finite")
+    if x.min() == x.max() == y.min() == y.max():
+        # The ranks have no variance: some versions of SciPy answer p = 1, others NaN.
+        low, high = a12_interval(0.5, len(x), len(y))
+        return Effect(a12=0.5, low=low, high=high, p=1.0)
     # Imported here and below: importing it takes half a second, which the service's start skips.
     from scipy import stats
 
@@ -91,7 +95,17 @@ def a12_interval(a12: float, n: int, m: int) -> tuple[float, float]:
 
 
 def holm(p_values: Sequence[float]) -> tuple[float, ...]:
-    """Corrects p-values for their number by Holm's step-down method, in the order given."""
+    """Corrects p-values for their number by Holm's step-down method, in the order given.
+
+    Raises:
+        CampaignError: A p-value is NaN. It has no place in the order of the others, which would be
+            corrected wrongly.
+    """
+    if any(map(math.isnan, p_values)):
+        raise CampaignError(
+            f"a p-value to correct is not a number: {', '.join(f'{p:g}' for p in p_values)}; a "
+            "test that cannot tell two samples apart must give p = 1"
+        )
     order = sorted(range(len(p_values)), key=p_values.__getitem__)
     corrected = [0.0] * len(p_values)
     largest = 0.0

@@ -53,6 +53,9 @@ def p_of_more(before: Occurrences, now: Occurrences) -> float:
     It is the probability of at least as many occurrences now, given their number before and now
     together, if nothing has changed.
     """
+    if not now.runs:
+        # At least none is certain. Without any run SciPy answers NaN.
+        return 1.0
     # Imported here: importing it takes half a second, which commands without a gate skip.
     from scipy import stats
 
@@ -97,7 +100,9 @@ def share(part: int, whole: int) -> Interval:
     mean, z2 = part / whole, _Z_95**2
     middle = (mean + z2 / (2.0 * whole)) / (1.0 + z2 / whole)
     half = _Z_95 / (1.0 + z2 / whole) * math.sqrt(mean * (1.0 - mean) / whole + z2 / 4.0 / whole**2)
-    return Interval(mean=mean, low=max(middle - half, 0.0), high=min(middle + half, 1.0))
+    # Where none or all count, an end is the share, but for rounding.
+    low, high = max(middle - half, 0.0), min(middle + half, 1.0)
+    return Interval(mean=mean, low=min(low, mean), high=max(high, mean))
 
 
 def mean_of_repetitions(values: Sequence[float], *, confidence: float) -> Interval:

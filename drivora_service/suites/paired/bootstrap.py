@@ -78,7 +78,9 @@ def _interval(values: NDArray[np.float64], means: NDArray[np.float64]) -> Interv
     # Means of discrete values are often equal to the observed one, but for rounding.
     near = np.isclose(means, mean, rtol=1e-12, atol=1e-12 * float(np.ptp(known)))
     below = float(((means < mean) & ~near).mean() + 0.5 * near.mean())
-    apart = known - mean
+    # The acceleration has no unit. By a power of two nothing is rounded, and no cube of a tiny or
+    # huge difference leaves the range of numbers.
+    apart = np.ldexp(known - mean, -int(np.frexp(np.ptp(known))[1]))
     acceleration = float((apart**3).sum() / (6.0 * (apart**2).sum() ** 1.5))
     bias = float(stats.norm.ppf(below))
     ends = []

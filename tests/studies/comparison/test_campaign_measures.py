@@ -6,11 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import TypeAdapter
 
 from drivora_service.errors import CampaignError, UnknownName
 from drivora_service.studies.campaign_figures import CampaignFigures
 from drivora_service.studies.comparison.campaign_measures import (
     MEASURES,
+    Difference,
     compare_campaigns,
     measure,
 )
@@ -200,3 +204,23 @@ def test_campaigns_that_cannot_be_compared_are_refused(
 def test_an_unknown_measure_is_reported_with_the_known_ones() -> None:
     with pytest.raises(UnknownName, match="at_fault"):
         measure("beauty")
+
+
+@given(
+    st.lists(st.integers(0, 2), min_size=2, max_size=4),
+    st.lists(st.integers(0, 2), min_size=2, max_size=4),
+)
+def test_few_repetitions_that_find_little_can_be_compared(
+    ours: list[int], theirs: list[int]
+) -> None:
+    """Most measures of a small study have one value in all campaigns."""
+    found = [figures("avfuzzer", seed, count) for seed, count in enumerate(ours)]
+    found += [figures("random", seed, count) for seed, count in enumerate(theirs)]
+    rows = compare_campaigns(found, "random")
+    as_json = TypeAdapter(Difference)
+    assert {"avoidable", "gene_coverage"} <= {row.measure for row in rows}
+    for row in rows:
+        assert 0.0 <= row.p <= row.p_holm <= 1.0
+        # A client reads it, which NaN in JSON would prevent.
+        assert as_json.validate_json(as_json.dump_json(row)) == row
+    assert next(row for row in rows if row.measure == "gene_coverage").p_holm == 1.0

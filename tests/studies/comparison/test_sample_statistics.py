@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -50,6 +52,25 @@ def test_an_interval_at_the_end_has_a_width_that_shrinks_with_the_sample() -> No
     assert a12_interval(1.0, 80, 80)[0] > low
 
 
+@given(st.floats(allow_nan=False, allow_infinity=False), st.integers(2, 30), st.integers(2, 30))
+def test_equal_values_are_no_difference(value: float, n: int, m: int) -> None:
+    effect = compare_samples([value] * n, [value] * m)
+    assert (effect.a12, effect.p) == (0.5, 1.0)
+    assert 0.0 < effect.low < 0.5 < effect.high < 1.0
+    assert effect.low == pytest.approx(1.0 - effect.high, abs=1e-6)
+
+
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=2, max_size=20))
+def test_a_sample_does_not_differ_from_itself(sample: list[float]) -> None:
+    effect = compare_samples(sample, sample[::-1])
+    assert (effect.a12, effect.p) == (0.5, 1.0)
+
+
+@given(SAMPLES, SAMPLES)
+def test_every_comparison_has_a_p(x: list[int], y: list[int]) -> None:
+    assert 0.0 <= compare_samples(x, y).p <= 1.0
+
+
 def test_samples_of_one_value_differ_by_chance_only() -> None:
     effect = compare_samples([4, 4, 4], [4, 4])
     assert (effect.a12, effect.p) == (0.5, 1.0)
@@ -67,6 +88,13 @@ def test_holm_never_lowers_and_keeps_the_order(values: list[float]) -> None:
     assert all(c >= v for c, v in zip(corrected, values, strict=True))
     order = np.argsort(values, kind="stable")
     assert np.all(np.diff(np.array(corrected)[order]) >= 0.0)
+
+
+@given(st.lists(st.floats(0.0, 1.0), max_size=8), st.integers(0, 8))
+def test_holm_refuses_what_has_no_order(values: list[float], place: int) -> None:
+    values.insert(place, math.nan)
+    with pytest.raises(CampaignError, match=r"not a number: .*nan"):
+        holm(values)
 
 
 def test_unusable_samples_are_refused() -> None:

@@ -7,6 +7,8 @@ from math import comb
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import stats
 
 from drivora_service.suites.gate.occurrence_statistics import (
@@ -14,6 +16,11 @@ from drivora_service.suites.gate.occurrence_statistics import (
     mean_of_repetitions,
     p_of_more,
     p_of_more_overall,
+    share,
+)
+
+COUNTS = st.integers(0, 30).flatmap(
+    lambda of: st.builds(Occurrences, runs=st.integers(0, of), of=st.just(of))
 )
 
 
@@ -31,6 +38,34 @@ def test_p_of_more_counts_the_ways_to_distribute_the_failures() -> None:
             assert found == pytest.approx(expected, abs=1e-12)
             table = np.array([[k1, n1 - k1], [k0, n0 - k0]])
             assert found == pytest.approx(stats.fisher_exact(table, "greater").pvalue, abs=1e-9)
+
+
+@given(COUNTS, COUNTS)
+def test_every_pair_of_counts_has_a_p(before: Occurrences, now: Occurrences) -> None:
+    """Also where there was no run, no failure, or nothing else."""
+    p = p_of_more(before, now)
+    assert 0.0 < p <= 1.0 + 1e-12
+    if not now.runs:
+        assert p == 1.0
+
+
+@given(st.lists(st.tuples(COUNTS, COUNTS), max_size=5))
+def test_an_overall_p_is_a_number(pairs: list[tuple[Occurrences, Occurrences]]) -> None:
+    p = p_of_more_overall(pairs)
+    assert p is None or 0.0 <= p <= 1.0
+
+
+@given(COUNTS)
+def test_the_interval_of_a_share_holds_the_share(counts: Occurrences) -> None:
+    found = share(counts.runs, counts.of)
+    assert 0.0 <= found.least <= found.mean <= found.most <= 1.0
+
+
+@given(st.floats(-1e9, 1e9), st.integers(1, 30), st.floats(0.5, 0.999))
+def test_equal_repetitions_have_no_width(value: float, n: int, confidence: float) -> None:
+    found = mean_of_repetitions([value] * n, confidence=confidence)
+    assert found.mean == pytest.approx(value, rel=1e-12)
+    assert found.most - found.least <= 1e-9 * abs(value)
 
 
 def test_the_overall_p_is_about_that_of_shuffling_within_each_scenario() -> None:

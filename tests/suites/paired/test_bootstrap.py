@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy import stats
 
@@ -55,6 +57,30 @@ def test_what_has_no_spread_or_too_few_values() -> None:
     values = np.array([[1.5, nan, 3.0], [1.5, nan, nan], [1.5, nan, nan]])
     assert mean_intervals(values) == ((1.5, 1.5), None, None)
     assert mean_intervals(np.zeros((0, 2))) == (None, None)
+
+
+@given(
+    st.lists(st.sampled_from([-2.0, 0.0, 1.0, 7.0, np.nan]), min_size=1, max_size=12),
+    st.sampled_from([1e-200, 1e-160, 1.0, 1e150]),
+)
+def test_what_is_drawn_has_an_interval_in_its_range(values: list[float], unit: float) -> None:
+    """Also of few values, of values that are mostly equal, and of any size."""
+    sample = unit * np.array(values)
+    (interval,) = mean_intervals(sample[:, None], resamples=200)
+    known = sample[np.isfinite(sample)]
+    if len(known) < 2:
+        assert interval is None
+        return
+    assert interval is not None
+    low, high = interval
+    rounding = 1e-9 * unit
+    assert known.min() - rounding <= low <= high <= known.max() + rounding
+
+
+@given(st.floats(-1e9, 1e9), st.integers(2, 30))
+def test_equal_values_have_an_interval_without_width(value: float, n: int) -> None:
+    (interval,) = mean_intervals(np.full((n, 1), value), resamples=100)
+    assert interval == pytest.approx((value, value), rel=1e-12)
 
 
 def test_the_same_values_have_the_same_intervals() -> None:

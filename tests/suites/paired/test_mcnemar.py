@@ -106,6 +106,20 @@ def test_no_pair_that_differs_does_not_mean_no_difference() -> None:
     assert compare_shares(a_only=0, b_only=0, scenarios=0) is None
 
 
+@given(st.integers(0, 30), st.integers(0, 30), st.integers(0, 30))
+def test_every_table_has_a_p_and_an_interval(a_only: int, b_only: int, alike: int) -> None:
+    scenarios = a_only + b_only + alike
+    shares = compare_shares(a_only=a_only, b_only=b_only, scenarios=scenarios)
+    if not scenarios:
+        assert shares is None
+        return
+    assert shares is not None
+    assert 0.0 < shares.p <= 1.0
+    assert -1.0 <= shares.low <= shares.difference <= shares.high <= 1.0
+    if a_only == b_only:
+        assert shares.p == pytest.approx(1.0)
+
+
 def test_less_is_better_for_b() -> None:
     shares = compare_shares(a_only=12, b_only=4, scenarios=100)
     assert shares is not None
