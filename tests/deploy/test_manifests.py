@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import kubernetes_validate
+import psutil
 import pytest
 import yaml
 
@@ -403,8 +404,8 @@ def slurm(tmp_path: Path, deploy: Path) -> Iterator[dict[str, Any]]:
         "SLURM_CPUS_PER_TASK": "16",
     }
     yield {"cwd": tmp_path, "env": variables, "text": True}
-    left = subprocess.run(["pgrep", "-f", str(tmp_path)], capture_output=True, text=True)
-    assert not left.stdout
+    commands = [one.info["cmdline"] or () for one in psutil.process_iter(["cmdline"])]
+    assert [command for command in commands if str(tmp_path) in " ".join(command)] == []
 
 
 @pytest.mark.slow(seconds=15)
