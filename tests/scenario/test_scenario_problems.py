@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -71,6 +71,9 @@ def problems_of_document(scenario: Scenario, agents: Collection[str] | None) -> 
         # No document can be made of it: what there is stands for it as a user would write it.
         with pytest.raises(InvalidDocument) as caught:
             validate_data(document_content(scenario), NETWORKS, agents)
+        if [problem.code for problem in caught.value.problems] == ["too_large"]:
+            # Its parts are not read.
+            return caught.value.problems
         named = {problem.pointer for problem in caught.value.problems}
         malformed = structural_problems(error, ScenarioDocument)
         assert named >= {problem.pointer for problem in malformed}
@@ -91,7 +94,9 @@ def candidates(draw: st.DrawFn) -> Scenario:
     return space.scenario(space.repair(mixed) if draw(st.booleans()) else mixed)
 
 
-@settings(max_examples=150)
+# A failing example is small as it is drawn, and some take seconds: making it smaller would take
+# minutes.
+@settings(max_examples=150, phases=(Phase.explicit, Phase.reuse, Phase.generate))
 @given(
     scenario=candidates(),
     changes=st.lists(st.sampled_from(sorted(CHANGES)), max_size=3),
@@ -157,6 +162,13 @@ def test_every_change_alone_has_the_problems_of_its_document(name: str) -> None:
     found = scenario_problems(broken, NETWORKS, Drivers())
     assert found == problems_of_document(broken, Drivers())
     assert bool(found) is (name not in HARMLESS)
+
+
+def test_many_egos_with_many_waypoints_are_too_large_for_a_document() -> None:
+    broken = CHANGES["65 egos"](CHANGES["2001 waypoints"](seed_scenario("signal-grid")))
+    (problem,) = scenario_problems(broken, NETWORKS, ("idm",))
+    assert (problem.pointer, problem.code) == ("", "too_large")
+    assert problems_of_document(broken, ("idm",)) == (problem,)
 
 
 @pytest.mark.parametrize("odd", [math.nan, "\0", "\ud800", 2**64, {1: 2}])
