@@ -53,9 +53,10 @@ def test_runs_can_be_long_enough_for_any_number_of_slots(slots: int, gap_s: floa
 
 def test_each_process_of_a_cluster_has_its_limit() -> None:
     model = fit(POINTS, run_s=0.08)
-    text = cluster_table([replace(one, driver_ms=2.0 * one.own_ms) for one in POINTS], model)
+    text = cluster_table([replace(one, driver_ms=3.0 * one.own_ms) for one in POINTS], model)
     assert "The service needs 0.500 ms a run and 2.0% of a core" in text
-    assert "connected with Ray needs 1.000 ms a run and 4.0% of a core" in text
-    # 90 % of a thousand slots, each run of which takes 1 ms of 96 % of a core.
-    assert "it is full at 960 runs a second" in text
-    assert "busy with runs of 938 ms or more" in text
+    assert "connected with Ray needs 1.500 ms a run and 6.0% of a core" in text
+    # 90 % of a thousand slots, each run of which takes 1.5 ms of 94 % of a core: 1436.2 ms. No
+    # number is half way between two: which of them the fit is rounded to differs by machine.
+    assert "it is full at 627 runs a second" in text
+    assert "busy with runs of 1436 ms or more" in text
