@@ -7,7 +7,7 @@ TRIALS ?= 1
 FAULT_TABLE ?=
 VENV := .venv
 BIN := $(VENV)/bin
-PIP := $(BIN)/python -m pip --disable-pip-version-check
+PIP ?= $(BIN)/python -m pip --disable-pip-version-check
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
 # The page is built by the Node that the build of the package requires; no other is used.
@@ -21,7 +21,7 @@ NPM := $(BIN)/python -m tests.dashboard.npm
 # Tests start many processes. Each would compile the sources anew where this is set, as in images.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help install install-dev page page-tools page-types demo test test-slow test-faults test-browser benchmarks-short checks page-checks fast-tests kernels fuzz lint types contracts schema protocol networks docs-numbers api-examples pictures lock audit clean
+.PHONY: help install install-dev page page-tools page-types demo test test-python python-tests test-slow test-faults test-browser benchmarks-short checks page-checks fast-tests kernels fuzz lint types contracts schema protocol networks docs-numbers api-examples pictures lock audit clean
 
 help: ## Show the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -98,6 +98,15 @@ fast-tests: $(DEV_STAMP) $(PAGE_STAMP) kernels
 # Once, and not at the same time in each process of the tests.
 kernels: $(DEV_STAMP)
 	@$(BIN)/python -m drivora_service.worker.preloaded
+
+# What another version of Python can change: types, numbers, documents, the database.
+PYTHON_TESTS := tests/geometry tests/scenario tests/store tests/studies tests/suites/paired \
+  tests/suites/test_statistics.py tests/test_lock.py tests/test_parameters.py
+test-python: $(DEV_STAMP) ## Types and the tests that a version of Python can change; CI runs it with a second one
+	@$(MAKE) --no-print-directory --jobs=2 --keep-going types python-tests
+
+python-tests: $(DEV_STAMP)
+	$(BIN)/python -m pytest -q -n $(TEST_PROCESSES) --dist worksteal -m "not slow and not faults" $(PYTHON_TESTS)
 
 test-slow: $(DEV_STAMP) $(PAGE_STAMP) kernels ## The slow tests, which CI runs, too
 	$(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal -m slow
