@@ -101,7 +101,7 @@ kernels: $(DEV_STAMP)
 
 # What another version of Python can change: types, numbers, documents, the database.
 PYTHON_TESTS := tests/geometry tests/scenario tests/store tests/studies tests/suites/paired \
-  tests/suites/test_statistics.py tests/test_lock.py tests/test_parameters.py
+  tests/suites/gate tests/test_lock.py tests/test_parameters.py
 test-python: $(DEV_STAMP) ## Types and the tests that a version of Python can change; CI runs it with a second one
 	@$(MAKE) --no-print-directory --jobs=2 --keep-going types python-tests
 
