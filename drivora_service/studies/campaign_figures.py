@@ -44,7 +44,7 @@ class CampaignFigures(Shape):
         undetermined: Simulations in which the fault of no failure can be determined.
         not_judged: Simulations that failed by oracles alone that do not attribute fault.
         not_at_fault: Simulations without a failure, but with a violation at another actor's fault.
-        kinds: Kinds of failures (``campaigns.search.failure_kinds``).
+        kinds: Kinds of failures: oracle, place, relation of the other actor to the ego.
         avoidable_kinds: Kinds of those failures that are the fault of an ego and avoidable.
         oracles: Different oracles violated; collisions count by the other actor: an ego, an NPC
             vehicle, background traffic, a walker or an obstacle.
@@ -60,9 +60,9 @@ class CampaignFigures(Shape):
         simulation_s: Seconds of all runs in their workers.
         own_s: Seconds of the method itself: asking, telling, repairing, decoding, checking.
         network_coverage: Share of the network's drivable lanes, by length, on which actors were
-            placed or planned; ``None``: not known (see ``studies.coverage.road_coverage``).
+            placed or planned; ``None``: not known.
         law_coverage: Share of the ways to violate the traffic laws that judged its runs which some
-            run showed (``studies.coverage.law_coverage``); ``None``: no law judged them.
+            run showed; ``None``: no law judged them.
         first_failure_s: Seconds of one worker up to the first failure, the method's own included;
             ``None``: none found.
         first_avoidable_s: The same up to the first one that is the fault of an ego and avoidable.

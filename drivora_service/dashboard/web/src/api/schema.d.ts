@@ -2581,12 +2581,12 @@ export interface components {
             invalid_share: number;
             /**
              * Kinds
-             * @description Kinds of failures (`campaigns.failure_kinds`).
+             * @description Kinds of failures: oracle, place, relation of the other actor to the ego.
              */
             kinds: number;
             /**
              * Law Coverage
-             * @description Share of the ways to violate the traffic laws that judged its runs which some run showed (`studies.law_coverage`); `None`: no law judged them.
+             * @description Share of the ways to violate the traffic laws that judged its runs which some run showed; `None`: no law judged them.
              */
             law_coverage?: number | null;
             /**
@@ -2596,7 +2596,7 @@ export interface components {
             method: string;
             /**
              * Network Coverage
-             * @description Share of the network's drivable lanes, by length, on which actors were placed or planned; `None`: not known (see `studies.road_coverage`).
+             * @description Share of the network's drivable lanes, by length, on which actors were placed or planned; `None`: not known.
              */
             network_coverage?: number | null;
             /**
@@ -7516,12 +7516,12 @@ export interface components {
             invalid_share: number;
             /**
              * Kinds
-             * @description Kinds of failures (`campaigns.failure_kinds`).
+             * @description Kinds of failures: oracle, place, relation of the other actor to the ego.
              */
             kinds: number;
             /**
              * Law Coverage
-             * @description Share of the ways to violate the traffic laws that judged its runs which some run showed (`studies.law_coverage`); `None`: no law judged them.
+             * @description Share of the ways to violate the traffic laws that judged its runs which some run showed; `None`: no law judged them.
              */
             law_coverage?: number | null;
             /**
@@ -7531,7 +7531,7 @@ export interface components {
             method: string;
             /**
              * Network Coverage
-             * @description Share of the network's drivable lanes, by length, on which actors were placed or planned; `None`: not known (see `studies.road_coverage`).
+             * @description Share of the network's drivable lanes, by length, on which actors were placed or planned; `None`: not known.
              */
             network_coverage?: number | null;
             /**
