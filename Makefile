@@ -1,7 +1,8 @@
 # Everything stands on `make install`: a virtual environment in .venv with pinned, hashed packages.
 PYTHON ?= python3
-# Tests wait for other processes now and then: one more at a time than there are cores.
-TEST_PROCESSES ?= $(shell $(PYTHON) -c "import os; print((os.cpu_count() or 1) + 1)")
+# By the cores and the memory: 4 GB are enough.
+TEST_PROCESSES ?= $(shell $(PYTHON) tests/load.py processes)
+TEST_JOBS ?= $(shell $(PYTHON) tests/load.py jobs)
 # How often each fault is injected, and the file to write the table of results to, if any.
 TRIALS ?= 1
 FAULT_TABLE ?=
@@ -70,7 +71,7 @@ demo: $(RUN_STAMP) $(PAGE_STAMP) ## Judge scenarios on a shipped town, then sear
 
 # The tests wait now and then: the checks fill that time, and are printed once they are done.
 test: $(DEV_STAMP) ## Lint, types, import contracts, generated files, tests
-	@$(MAKE) --no-print-directory --jobs=2 --keep-going checks page-checks fast-tests
+	@$(MAKE) --no-print-directory --jobs=$(TEST_JOBS) --keep-going checks page-checks fast-tests
 
 checks: $(DEV_STAMP)
 	@failed=""; \
@@ -103,7 +104,7 @@ kernels: $(DEV_STAMP)
 PYTHON_TESTS := tests/geometry tests/scenario tests/store tests/studies tests/suites/paired \
   tests/suites/gate tests/test_lock.py tests/test_parameters.py
 test-python: $(DEV_STAMP) ## Types and the tests that a version of Python can change; CI runs it with a second one
-	@$(MAKE) --no-print-directory --jobs=2 --keep-going types python-tests
+	@$(MAKE) --no-print-directory --jobs=$(TEST_JOBS) --keep-going types python-tests
 
 python-tests: $(DEV_STAMP)
 	$(BIN)/python -m pytest -q -n $(TEST_PROCESSES) --dist worksteal -m "not slow and not faults" $(PYTHON_TESTS)
