@@ -31,7 +31,9 @@ from drivora_service.store.database import Database
 from drivora_service.store.traces.trace_folders import RunTraces
 
 _POLL_S = 0.5
+"""Seconds between two looks for requests to cancel, and the longest wait for an end."""
 _HEARTBEAT_S = 2.0
+"""A third of ``ownership.LOCK_TIMEOUT_S``: one late heartbeat does not make this process dead."""
 
 _WRITE_S = 0.4
 """Seconds between two transactions while the slots have work; one costs as much as ten runs in it,
@@ -59,7 +61,7 @@ class Dispatcher:
         policy: RetryPolicy = RetryPolicy(),  # noqa: B008 # frozen
         on_fatal: Callable[[str], None] = lambda _message: None,
     ) -> None:
-        """Prepares the loop.
+        """Creates the dispatcher; :meth:`start` starts its thread.
 
         Args:
             database: Holds the queue and the ends of runs.
@@ -74,6 +76,9 @@ class Dispatcher:
         self._infrastructure = infrastructure
         self._policy = policy
         self._ownership = ownership
+        # All down to _to_cancel belongs to the dispatcher's thread and needs no lock; wake() only
+        # ends the interval of looks. None of it is stored: after a kill, the open leases in the
+        # database say what was in flight, and runs whose ends were not written are simulated again.
         # The number of the attempt, by the id of its run.
         self._in_flight: dict[str, int] = {}
         self._claimed: deque[RunSpec] = deque()
@@ -135,6 +140,7 @@ class Dispatcher:
         """
         with self._ending:
             if not self._stopping.is_set():
+                # Before the event: the thread reads the time once it has seen the event.
                 self._stop_at = time.monotonic() + drain_s
                 self._stopping.set()
         self._executor.wake()
@@ -154,6 +160,10 @@ class Dispatcher:
         self._turn()
 
     def _turn(self) -> None:
+        # In this order: what a fault has ended or keeps from starting is withdrawn and released
+        # before the claim, which therefore counts only runs that the executor has. Requests to
+        # cancel follow the submission: the executor cannot cancel a run that it does not have. An
+        # exception anywhere makes the whole turn repeat; each step forgets only what it has done.
         self._collect()
         self._withdraw_on_fault()
         self._release_withdrawn()
@@ -166,6 +176,7 @@ class Dispatcher:
 
     def _collect(self) -> None:
         """Collects ended attempts; waits for more as long as no slot can run out of work."""
+        # What a turn that failed has left behind does not wait for another end.
         timeout = 0.0 if self._unwritten or self._claimed else _POLL_S
         count = 1
         while True:
@@ -175,7 +186,9 @@ class Dispatcher:
                 # The time is over, or it was woken.
                 return
             timeout = self._next_write - time.monotonic()
-            # Woken once for all ends up to the next transaction, and not for each.
+            # Woken once for all ends up to the next transaction, and not for each. After so many
+            # more, the executor has one run for each slot and none to spare, so that the next end
+            # would leave a slot idle: then it is time to claim.
             count = len(self._in_flight) - len(self._unwritten) - self._executor.capacity
             if timeout <= 0 or count <= 0 or self._stopping.is_set():
                 return
@@ -184,12 +197,16 @@ class Dispatcher:
         """Keeps ends to be written; runs that a storage fault ended go back to the queue."""
         for end in ends:
             self._pace.note((end.ended - end.started).total_seconds())
+        # With the number of its attempt, an end cannot close a later attempt at the same run, which
+        # there is if this process was taken for dead meanwhile.
         ends = [
             replace(end, attempt=self._in_flight.get(end.report.run_id, 0))
             for end in ends
             if not self._claim_next(end.report.run_id)
         ]
         self._unwritten += ends
+        # Probed now, as a fault may be younger than the last regular probe. If none is found, the
+        # end counts: a run that fills the disk itself must not be repeated for ever.
         suspects = [end for end in ends if may_be_storage(end.report)]
         if not suspects or not self._infrastructure.confirm_now():
             return
@@ -213,6 +230,7 @@ class Dispatcher:
     def _has_room_and_work(self) -> bool:
         if self._room() <= 0:
             return False
+        # By a reader: a claim that finds nothing would hold up the writers of other processes.
         with self._database.read() as transaction:
             return transaction.queue.has_work(self._ownership.reserved_to)
 
@@ -226,13 +244,15 @@ class Dispatcher:
             self._looks.end()
             if not self._unwritten or isinstance(error, StoreUnavailable):
                 raise
-            # One of the reports cannot be written; it must not hold up the others.
+            # One of the reports cannot be written; it must not hold up the others. These
+            # transactions claim nothing, which the next turn does.
             self._faults.error("unwritable_report", error=repr(error))
             write_in_parts(self._unwritten, self._commit)
 
     def _commit(self, ends: Sequence[AttemptEnd], *, room: int = 0) -> None:
         done = {end.report.run_id for end in ends}
-        # What is due costs least in a transaction that is made anyway; both intervals begin before.
+        # What is due costs least in a transaction that is made anyway. Both intervals begin before
+        # it: wake() during the transaction ends the new one, so that there is another look.
         looks, beats = self._looks.is_over(), self._beats.is_over()
         slots = self._slots() if beats else ()
         with self._database.write() as transaction:
@@ -247,17 +267,21 @@ class Dispatcher:
             cancelled = transaction.queue.to_cancel() if looks else ()
             if beats:
                 transaction.workers.beat(self._ownership.owner_id, slots)
+        # Memory follows the commit. If the connection broke during the commit, the ends are tried
+        # again, and those that were written after all find no open lease.
         self._unwritten = [end for end in self._unwritten if end.report.run_id not in done]
         self._forget(done)
         for spec in specs:
             if spec.run_id in self._in_flight:
-                # This process was taken for dead: its earlier attempt no longer counts.
+                # This process was taken for dead: its earlier attempt no longer counts. The
+                # executor knows runs by their ids, so the new attempt waits for the earlier one.
                 self._next[spec.run_id] = spec
             else:
                 self._in_flight[spec.run_id] = spec.attempt
                 self._claimed.append(spec)
         self._to_cancel.update(cancelled)
         if beats:
+            # After the transaction, as it makes one for each dead owner.
             self._ownership.take_over()
 
     def _submit_claimed(self) -> None:
@@ -271,6 +295,7 @@ class Dispatcher:
                     self._claimed.popleft()
                     self._take_ends([unpreparable_trace(spec, error)])
                     continue
+            # Forgotten only once the executor has it: an exception leaves it to the next turn.
             self._executor.submit(spec)
             self._claimed.popleft()
 
@@ -282,6 +307,7 @@ class Dispatcher:
         else:
             self._faults.over("workers_cannot_start", "workers_start_again")
         if fault or self._infrastructure.fault or self._stopping.is_set():
+            # In each turn: a slot may have put back a run whose worker was not ready.
             self._withdrawn.update(self._executor.withdraw())
             self._withdrawn.update(spec.run_id for spec in self._claimed)
             self._claimed.clear()
@@ -292,6 +318,7 @@ class Dispatcher:
             return
         with self._database.write() as transaction:
             transaction.queue.release(self._ownership.owner_id, sorted(self._withdrawn))
+        # After the commit: until then, the next turn releases them again.
         self._forget(self._withdrawn)
         self._withdrawn.clear()
 
@@ -305,6 +332,7 @@ class Dispatcher:
         if self._in_flight and self._looks.is_over():
             with self._database.read() as transaction:
                 self._to_cancel.update(transaction.queue.to_cancel())
+        # Attempts that no longer count are cancelled as well: their successors wait for their ends.
         wanted = self._in_flight.keys() & (self._to_cancel | self._next.keys())
         self._to_cancel.clear()
         for run_id in wanted.difference(end.report.run_id for end in self._unwritten):
@@ -323,8 +351,10 @@ class Dispatcher:
             return ()
 
     def _release_all(self) -> None:
+        # Also if the thread has given up: nothing may be claimed below.
         self._stopping.set()
         try:
+            # Ends first: leaving releases what is still in flight, to be simulated again.
             if self._unwritten:
                 self._write_and_claim()
             self._ownership.leave(sorted(self._in_flight))

@@ -38,6 +38,7 @@ _ANSWER_S = 10.0
 _END_S = 10.0
 """Seconds within which a keeper ends everything; longer than its own time limit."""
 _LOOK_S = 0.05
+"""Seconds between two looks whether a keeper that is waited for still works."""
 _LOOK_AGAIN_S = 1.0
 """Seconds after which processes are looked for even if the system seems to have started none: a
 process with enough rights can change what the system tells."""
@@ -51,7 +52,7 @@ class WorkerDiedError(Exception):
     """
 
     def __init__(self, exit_code: int) -> None:
-        """Keeps the exit code."""
+        """Creates the error for an exit code."""
         super().__init__(f"the worker process ended with {exit_code}")
         self.exit_code = exit_code
 
@@ -69,7 +70,7 @@ class KeptWorker:
     """
 
     def __init__(self, task: WorkerTask, log: int) -> None:
-        """Starts the keeper, which starts the worker.
+        """Starts the keeper, which starts the worker; does not wait for either.
 
         Args:
             task: Task of the worker.
@@ -86,6 +87,8 @@ class KeptWorker:
         self._started_processes: int | None = None
         self._looked_at = 0.0
         self.board = BoardReader()
+        # One connection with the worker and another one with its keeper: code under test can write
+        # to the first, so how the worker ended is told on the second.
         channel, theirs = socket.socketpair()
         control, keepers = socket.socketpair()
         self._channel, self._control = Channel(channel), Channel(control)
@@ -117,6 +120,8 @@ class KeptWorker:
             KeeperLostError: Its keeper has ended.
             ProtocolError: It has sent something that is no message.
         """
+        # A wait without an event is not enough to return: a message that has begun may be overdue,
+        # and a process that the worker has forked may keep the channel of a dead worker open.
         if (
             not self._channel.has_message
             and not self._both.wait(timeout)
@@ -128,7 +133,8 @@ class KeptWorker:
             frame = self._channel.read()
             if frame is None:
                 self._receive_keeper()
-                # Messages that it sent before it died count.
+                # Messages that it sent before it died count. The second look, after the exit code,
+                # finds all of them; one that is made before could miss the last.
                 frame = None if self._exit_code is None else self._channel.read()
         except ChannelClosedError:
             self._expect_end()
@@ -138,7 +144,13 @@ class KeptWorker:
         return frame
 
     def _expect_end(self) -> None:
-        """Waits for the exit code of a worker with a closed channel."""
+        """Waits for the exit code of a worker with a closed channel.
+
+        Raises:
+            ProtocolError: The worker lives: code under test has closed the channel.
+            KeeperLostError: The keeper does not report the end.
+        """
+        # The kernel closes the files of a process before its parent can learn of its end.
         until = time.monotonic() + _ANSWER_S
         while self._exit_code is None:
             if time.monotonic() > until:
@@ -179,6 +191,8 @@ class KeptWorker:
         Raises:
             KeeperLostError: The keeper has ended or does not answer.
         """
+        # Three looks, the cheapest first: a counter of the system, the lists of children, and a
+        # question to the keeper, which wakes another process (decision 38).
         count, now = read_last_pid(), time.monotonic()
         is_recent = now - self._looked_at < _LOOK_AGAIN_S
         if count is not None and count == self._started_processes and is_recent:
@@ -204,6 +218,8 @@ class KeptWorker:
         else:
             descendants = descendants_of(self._keeper.pid, spare=is_guard)
             found = [pid for pid in descendants if pid != self.pid]
+        # After the look: if the keeper has ended by now, its id may have been another process's.
+        # The handles of before are kept, for end().
         if not self._keeper.lives:
             return []
         for pid in [pid for pid in self._descendants if pid not in found]:
@@ -226,8 +242,11 @@ class KeptWorker:
     def end(self) -> None:
         """Ends the worker and all that was started in it, and waits until they are gone."""
         self._control.put(Frame(Kind.END))
-        # A keeper that has not started its worker yet need not do so to end it.
+        # A keeper that has not started its worker yet need not do so to end it: a worker that it
+        # forks at this moment finds that its parent has died, and ends (die_with_keeper).
         if not (self._has_begun() and self._ends()):
+            # Looked for before the keeper is killed: afterwards they are another process's orphans.
+            # The worker dies with its keeper; it is killed here where the system does not do it.
             self.descendants()
             self._keeper.kill()
             remains = [*self._descendants.values(), *map(ProcessHandle, self._session())]

@@ -83,16 +83,30 @@ class Slot:
         source: Source,
         sink: Sink,
     ) -> None:
-        """Starts the slot and its worker."""
+        """Starts the thread of the slot, which starts its worker.
+
+        Args:
+            name: Name of the slot, in reports and logs.
+            task: Task of its workers.
+            log: Path of its workers' log.
+            limits: Limits of a worker.
+            starts: Counts failed starts, those of all slots together.
+            source: Has the runs.
+            sink: Receives the ends of attempts.
+        """
         self.name = name
         self._limits, self._starts = limits, starts
         self._source, self._sink = source, sink
         self._child = Child(task, log=log, limits=limits)
+        # For state(), which any thread calls, without a lock: each value is whole, though two of
+        # them may be of different moments. The slot's thread writes them; the last crash is also
+        # written by the thread that reads a report.
         self._run_id = ""
         self._runs = 0
         self._last_crash = ""
         self._last_crash_at: datetime | None = None
         self._since = datetime.now(UTC)
+        # The end of an attempt until the sink has it, so that a fault in between does not lose it.
         self._unsent: tuple[str, Callable[[], AttemptEnd]] | None = None
         self._logged_at = -_LOG_AGAIN_S
         self._closing = threading.Event()
@@ -142,6 +156,8 @@ class Slot:
                 self._log_fault("slot_fault", error)
                 with contextlib.suppress(Exception):
                     child.end()
+                # Counts as a failed start: the pauses grow, and if all slots have such a fault, the
+                # executor reports it and runs go back to the queue.
                 if self._closing.wait(
                     self._starts.note_failure(self.name, repr(error), certain=False)
                 ):
@@ -166,8 +182,10 @@ class Slot:
             self._sink(*self._unsent)
             self._unsent = None
         while not self._closing.is_set():
+            # The worker before the run: a start that fails has no run to blame (decision 20).
             if child.needs_replacement or not child.ready:
                 self._start(child)
+            # May wait for hours, hence the second look at the worker below.
             spec = self._source.take()
             if spec is None:
                 return
@@ -180,6 +198,7 @@ class Slot:
             self._unsent = (spec.run_id, self._attempt(child, spec))
             self._sink(*self._unsent)
             self._unsent = None
+            # After the end was handed over, which need not wait for an answer of the keeper.
             if child.ready and not child.needs_replacement:
                 self._check_leftovers(child, spec.run_id)
 
@@ -220,6 +239,8 @@ class Slot:
             ended=ended,
             signal=signal_name(exit_code),
         )
+        # An end that is known already, or one whose report the caller of this function reads: many
+        # reports in a row cost less, and the slot begins its next run meanwhile (decision 51).
         if isinstance(outcome, RunReport):
             known = end(report=outcome, candidate=child.candidate)
             return lambda: known
@@ -228,7 +249,11 @@ class Slot:
     def _read(
         self, sent: SentReport, worker: object, child: Child, end: Callable[..., AttemptEnd]
     ) -> AttemptEnd:
-        """Reads a report that was sent as one of a finished run, in the thread that wants it."""
+        """Reads a report that was sent as one of a finished run, in the thread that wants it.
+
+        Returns:
+            The end of the attempt, also if what was sent is no report: that is a breach.
+        """
         try:
             report, candidate = sent.read()
             return end(report=report, candidate=candidate)
@@ -236,6 +261,7 @@ class Slot:
             report = report_breach(sent.spec.run_id, str(error), NO_PROGRESS, "")
         except Exception as error:
             report = report_loss(sent.spec.run_id, f"the report cannot be read: {error!r}", "")
+        # The slot's thread may have replaced the worker since; its successor is not to blame.
         child.retire(worker)
         self._note_crash("" if report.failure is None else report.failure.message)
         return end(report=report, candidate=None)
@@ -253,11 +279,13 @@ class Slot:
         try:
             child.begin(spec)
             outcome = self._supervise(child, spec.run_id)
+            # Any other status than finished decides whether the worker may go on: it is read now.
             if isinstance(outcome, RunReport) or outcome.says_finished:
                 return outcome, 0
             report, child.candidate = outcome.read()
             return report, 0
         except WorkerDiedError as death:
+            # Here and below, progress is read before end(), which closes the board.
             exit_code = death.exit_code
             report = report_death(spec.run_id, exit_code, child.progress(), child.log.tail())
         except KeeperLostError as error:
@@ -272,15 +300,20 @@ class Slot:
         begun = time.monotonic()
         watch = Watch(self._limits, now=begun)
         while True:
+            # The report first: a run that has ended is neither cancelled nor beyond a limit.
             sent = child.wait(_POLL_S)
             if sent is not None:
                 if child.is_in_agent:
+                    # A worker shows that it is idle before it sends its report (worker/loop.py), so
+                    # code under test has sent this one.
                     # Names what is wrong with the message, if there is more.
                     sent.read()
                     raise ProtocolError("a report that came while an agent was called")
+                # A second report would be taken for that of the next run.
                 if not child.is_ready_again():
                     child.retire()
                 return sent
+            # Before the limits, so that a cancelled run ends as cancelled.
             if self._closing.is_set() or self._source.is_cancelled(run_id):
                 child.end()
                 return cancelled_report(run_id)
@@ -318,6 +351,8 @@ class Slot:
                     return
                 reason = f"no worker process was ready within {self._limits.start_s:g} s"
             except NotReadyError as error:
+                # The worker's own reason counts at once. The other failures often pass, and count
+                # after several in a row (worker_starts.py).
                 reason, certain = str(error), True
             except WorkerDiedError as death:
                 last = child.log.tail().rpartition("\n")[2]
@@ -331,6 +366,7 @@ class Slot:
 
     def _got_ready(self, child: Child) -> bool:
         until = time.monotonic() + self._limits.start_s
+        # In short waits, so that a slot can be stopped while its worker starts.
         while time.monotonic() < until and not self._closing.is_set():
             if child.wait_until_ready(_POLL_S):
                 return True

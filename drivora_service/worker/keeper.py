@@ -84,7 +84,11 @@ def keep(
     _print_to(log.detach())
     # The server handles an interrupt typed at a terminal.
     os.setsid()
+    # Before the worker exists: an orphan of it would go to PID 1, where the keeper cannot find it.
     _adopt_orphans()
+    # The self-pipe of D. J. Bernstein: the end of a child writes a byte, so that one poll waits for
+    # both children and commands. Set up before the fork, so that no end is missed. A signal that is
+    # ignored by default would write nothing, hence the handler that does nothing.
     woken, waker = os.pipe()
     os.set_blocking(woken, False)
     os.set_blocking(waker, False)
@@ -94,14 +98,20 @@ def keep(
     lifeline, held = os.pipe()
     worker = os.fork()
     if worker == 0:
+        # Code under test must not speak for the keeper, nor hold the writing end of its own
+        # lifeline, which would then never close.
         for file in (woken, waker, held, control.detach()):
             os.close(file)
         _become_worker(keeper, lifeline, channel, cells, task)
+    # With a copy of the channel here, the slot would not see that the worker has closed it.
     for file in (lifeline, cells, channel.detach()):
         os.close(file)
+    # If the slot is gone, serve() finds its end closed and ends the worker.
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):
         send(control, frame_of(Started(pid=worker)))
     exit_code = _Keeper(control, woken, worker).serve()
+    # The exit code first, as the run has ended with the worker. The end of this process tells the
+    # slot that all else is gone as well; it waits for that before it starts another worker.
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):
         send(control, frame_of(Ended(exit_code=exit_code)))
     _end_all(worker)
@@ -121,8 +131,10 @@ def _become_worker(
     """Becomes the worker; never returns into the code of the keeper."""
     code = 1
     try:
+        # The pipe of the keeper was closed above; its number may come to mean another file.
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        # Before any code under test, and with a check that the keeper has not died in between.
         die_with_keeper(keeper, lifeline)
         # A session of its own: the keeper must not get signals that an agent sends to its group.
         os.setsid()
@@ -131,6 +143,7 @@ def _become_worker(
     except BaseException:
         traceback.print_exc()
     finally:
+        # Not sys.exit(): exit handlers inherited from the fork server must not run here.
         with contextlib.suppress(Exception):
             sys.stdout.flush()
             sys.stderr.flush()
@@ -151,19 +164,25 @@ class _Keeper:
         poll.register(self._woken, select.POLLIN)
         poll.register(self._control, select.POLLIN)
         while True:
+            # Before the wait: a worker that ended before the poll was set up is found as well. One
+            # that ends between this line and the poll has written a byte, and the poll returns.
             self._reap()
             if self._exit_code is not None:
                 return self._exit_code
             for file, _ in poll.poll():
                 if file == self._woken:
+                    # All bytes at once: one round reaps all children that have ended.
                     with contextlib.suppress(BlockingIOError):
                         os.read(self._woken, 65536)
                 elif not self._execute_command():
+                    # A closed connection would wake every poll until the worker has ended.
                     poll.unregister(self._control)
                     # Not reaped yet, so the id is the worker's own.
                     os.kill(self._worker, signal.SIGKILL)
 
     def _reap(self) -> None:
+        # Signals of the same number merge, so one may stand for several children; adopted orphans
+        # are reaped on the way.
         with contextlib.suppress(ChildProcessError):
             while True:
                 pid, status = os.waitpid(-1, os.WNOHANG)
@@ -186,6 +205,8 @@ class _Keeper:
     def _leftovers(self) -> list[str]:
         """Returns the names of live processes, without the worker and the ADSs kept for later."""
         found: list[str] = []
+        # The worker's children first: one whose parent ends in between is then seen here, as ours.
+        # Their descendants are not listed: one is enough for the worker to be replaced.
         coming = [*children_of(self._worker), *children_of(os.getpid())]
         while coming and len(found) < _MOST_NAMES:
             pid = coming.pop()
@@ -218,6 +239,8 @@ def _end_all(worker: int) -> None:
         return
     begun = time.monotonic()
     own = os.getpid()
+    # Repeated, as the children of a process that was killed become ours, and a process may fork
+    # while it is killed. The limit is for one that waits in the kernel, which cannot be killed.
     while children := children_of(own):
         passed = time.monotonic() - begun
         if passed > _GRACE_S + _KILL_S:

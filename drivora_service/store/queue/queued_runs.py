@@ -62,7 +62,8 @@ QUEUED_RUN = (
 
 
 def read_queued_run(values: Sequence[Any]) -> QueuedRun:
-    """Reads a run from the first columns of a row, which are :data:`QUEUED_RUN`."""
+    """Returns a run read from the first columns of a row, which are :data:`QUEUED_RUN`."""
+    # The first nine are the run's own; the last five are its state in the life cycle.
     return QueuedRun._make((*values[:9], _state(*values[9:14])))
 
 
@@ -91,6 +92,8 @@ def _select_queued() -> Select[Any]:
         )
         .join(_DOCUMENTS, _DOCUMENTS.c.sha256 == RUNS.c.document_sha256)
         .where(RUNS.c.status == QUEUED)
+        # Left out in SQLite. In PostgreSQL there is nothing to skip, as writers take turns
+        # (decision 69).
         .with_for_update(skip_locked=True, of=RUNS)
     )
 
@@ -100,6 +103,7 @@ def first_runs() -> Select[Any]:
     """Returns the query for ``share`` queued runs of ``batch``, held runs left out."""
     return (
         _select_queued()
+        # Held runs have a not_before, also once their wait is over: they are started one at a time.
         .where(RUNS.c.batch_seq == bindparam("batch"), RUNS.c.not_before.is_(None))
         .order_by(RUNS.c.seq)
         .limit(bindparam("share"))
@@ -118,6 +122,8 @@ def leases_of_owner() -> Select[Any]:
     return (
         select(*QUEUED_RUN, ATTEMPTS.c.number)
         .join(ATTEMPTS, ATTEMPTS.c.run_seq == RUNS.c.seq)
+        # The open attempt is the lease; at most one attempt of a run is open, as a claim opens one
+        # of a queued run only, and every way back to the queue closes it.
         .where(
             ATTEMPTS.c.owner_id == bindparam("owner"),
             ATTEMPTS.c.ended_at.is_(None),

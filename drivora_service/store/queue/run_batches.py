@@ -38,10 +38,14 @@ from drivora_service.store.runs.notable_verdicts import notable_verdicts
 
 
 class RunBatch:
-    """Changes of runs in the queue. Nothing is written before :meth:`write`."""
+    """Changes of runs in the queue. Nothing is written before :meth:`write`.
+
+    A run is either started, or ended, or goes back to the queue: its changes are computed from the
+    row as it was read, so that a second change of the same run would count from a stale state.
+    """
 
     def __init__(self, session: Session) -> None:
-        """Begins without changes; ``session`` writes."""
+        """Creates a collection without changes, which ``session`` will write."""
         self._session = session
         self._started: list[Row] = []
         self._opened: list[Row] = []
@@ -51,6 +55,8 @@ class RunBatch:
         self._reports: list[Row] = []
         self._verdicts: list[Row] = []
         self._found: list[Row] = []
+        # Numbers of runs that move from one facet to another, by batch, old and new facet: a batch
+        # of many runs has few different moves, and each changes two counters.
         self._moves: Counter[tuple[int, int, int]] = Counter()
         self._facets: dict[int, Facet] = {}
         self._queued: Counter[int] = Counter()
@@ -145,6 +151,7 @@ class RunBatch:
             self._reports.append(report_values(run.seq, transition.report, candidate))
             self._end(run, transition.report, values, when)
             return
+        # A run that was held once stays held, also if it comes back for another reason.
         wait = timedelta(seconds=transition.wait_s)
         values["not_before"] = when + wait if wait else run.not_before
         values["facet"] = self._count(run, state.status)
@@ -200,10 +207,14 @@ class RunBatch:
         changed = [*self._started, *self._again, *self._ended]
         if not changed:
             return
+        # All revisions are drawn at once, in this transaction: writers take turns, so that
+        # revisions are in the order of the commits (decision 69).
         batches = {batch_seq for batch_seq, _, _ in self._moves}
         first = next_revisions(self._session, len(changed) + len(batches))
         for revision, row in enumerate(changed, first):
             row["revision"] = revision
+        # The order is free: the runs that are referred to exist already, and none is in two of the
+        # lists of started, returned and ended ones.
         for statement, rows in (
             (start_run(), self._started),
             (open_attempt(), self._opened),
@@ -220,6 +231,8 @@ class RunBatch:
 
     def _write_batches(self, connection: Connection, batches: set[int], first: int) -> None:
         """Writes the batches of the runs; ``first`` is the revision of the first one."""
+        # No batch has both a start and a return, which would cancel out: finish_and_claim() writes
+        # returns before it claims.
         queued = {seq for seq, number in self._queued.items() if number}
         rows = [
             {

@@ -43,6 +43,9 @@ class QueueRepository:
 
     An owner can end only its own open lease, and only once; so a repeated report, or one of a
     process that was taken for dead, changes nothing.
+
+    Transactions that write run one after another, in SQLite and by a lock in PostgreSQL (decision
+    69), so that what a method has read is still true when it writes.
     """
 
     def __init__(self, session: Session) -> None:
@@ -98,6 +101,9 @@ class QueueRepository:
         must find it there.
         """
         changes = RunBatch(self._session)
+        # Ends first: a run that goes back to the queue may be claimed at once. What has ended for
+        # good does not matter to the claim, which looks for queued runs only. A held run may have
+        # to wait for the next claim, as the one before it still counts as running.
         self._finish(changes, owner_id, ends, policy)
         if changes.queues_again:
             changes.write()
@@ -117,6 +123,7 @@ class QueueRepository:
         if limit <= 0:
             return ()
         specs: list[RunSpec] = []
+        # The queries below are not the ORM's, which would flush by itself.
         self._session.flush()
         now = datetime.now(UTC)
         connection = self._session.connection()
@@ -124,6 +131,8 @@ class QueueRepository:
             for row in connection.execute(query, values):
                 run = read_queued_run(row)
                 agent, seed, feedback, genes, body = row[len(QUEUED_RUN) :]
+                # Numbers only grow, also over a reset of the run: the trace of an attempt has a
+                # folder of its own, to which a worker that was taken for dead may still write.
                 attempt = run.attempts + 1
                 changes.start(run, lifecycle.start(run.state), owner_id=owner_id, now=now)
                 specs.append(
@@ -147,10 +156,13 @@ class QueueRepository:
             return ()
         final: list[RunReport] = []
         leases = self._leases(owner_id, [end.report.run_id for end in ends])
-        # Of an attempt that was taken for lost, after which the owner has begun another one.
+        # Without ends of attempts that are no longer open: those of an owner that was taken for
+        # dead, also if it has begun another attempt at the same run since. They are left out here
+        # so that their scenarios are not stored either.
         ends = [end for end in ends if not _is_over(end, leases)]
         decoded = self._store_decoded(ends)
         for end in ends:
+            # Taken out, so that a report that comes twice in one call counts once as well.
             lease = leases.pop(end.report.run_id, None)
             if lease is None:
                 continue
@@ -175,6 +187,7 @@ class QueueRepository:
                 document_sha256=document_sha256,
                 candidate=end.candidate,
             )
+            # By the scenario that was simulated: that of genes is known only now.
             if transition.quarantine:
                 self._quarantine(run, end, document_sha256)
             if transition.report is not None:
@@ -251,9 +264,11 @@ class QueueRepository:
         held = HeldRuns(self._session)
         numbers = held.numbers()
         shares = shares_of_batches(self._session, limit, numbers, reserved_to)
+        # One query a batch, for as many runs as it gives: an index has them in their order.
         queries: list[tuple[Select[Any], Row]] = [
             (first_runs(), {"batch": seq, "share": share}) for seq, share in shares.items()
         ]
+        # Held runs last: one that takes the server down must not keep others from being done.
         if numbers and sum(shares.values()) < limit:
             due = held.due(now, reserved_to)
             if due is not None:
@@ -269,6 +284,8 @@ class QueueRepository:
             owner_id: The owner.
             run_ids: Runs to look for; ``None``: all.
         """
+        # An open attempt of this owner is the lease. The number of the attempt comes with it, as an
+        # end may be that of an earlier one.
         self._session.flush()
         connection = self._session.connection()
         if run_ids is None:

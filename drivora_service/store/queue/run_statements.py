@@ -29,6 +29,7 @@ def start_run() -> Update:
         "revision",
         "status",
         "facet",
+        # The number of the attempt that is opened with it.
         attempts=RUNS.c.attempts + literal_column("1"),
         started_at=func.coalesce(RUNS.c.started_at, now),
     )
@@ -37,6 +38,7 @@ def start_run() -> Update:
 @cache
 def queue_run_again() -> Update:
     """Returns the return of a run to the queue."""
+    # Without cancel_requested, here and at its end: only requests set it.
     return _update_run(
         "revision",
         "status",
@@ -69,6 +71,7 @@ def end_run() -> Update:
         "steps",
         "sim_time_s",
         "wall_time_s",
+        # An ended run leaves the index of held runs, which is small.
         not_before=null(),
     )
 
@@ -95,6 +98,7 @@ def insert_verdict() -> Insert:
 def close_attempt() -> Update:
     """Returns the end of ``attempt`` at ``run``."""
     names = ("outcome", "ended_at", "cause", "log", "worker", "started_at", "signal")
+    # By its number, which its owner has read from the open attempt in the same transaction.
     return (
         update(ATTEMPTS)
         .where(ATTEMPTS.c.run_seq == bindparam("run"), ATTEMPTS.c.number == bindparam("attempt"))
@@ -108,6 +112,7 @@ def count_queued() -> Update:
     return (
         update(BATCHES)
         .where(BATCHES.c.seq == bindparam("batch"))
+        # Differences, not values: the columns of a batch are not read where its runs are changed.
         .values(
             queued=BATCHES.c.queued + bindparam("more"),
             served=BATCHES.c.served + bindparam("served_more"),

@@ -29,7 +29,12 @@ def shares_of_batches(
     Returns:
         Numbers of runs by the ``seq`` of their batch.
     """
+    # The first ``limit`` batches are enough: a batch behind them is taken from only after each of
+    # them has given a run, when nothing is left to divide.
     candidates = _claimable(session, limit, numbers, reserved_to, locks=True)
+    # In the order of the query, and therefore a heap already. A run that is taken counts as served,
+    # so that a batch moves behind its equals: with equal priority they take turns, however many
+    # runs each has.
     heap = [
         (priority, served, seq, queued - numbers.get(seq, 0))
         for seq, priority, served, queued in candidates
@@ -40,6 +45,7 @@ def shares_of_batches(
             break
         priority, served, seq, left = heap[0]
         taken[seq] += 1
+        # An empty batch leaves its turns to the others.
         if left > 1:
             heapq.heapreplace(heap, (priority, served + 1, seq, left - 1))
         else:
@@ -55,10 +61,13 @@ def has_claimable(session: Session, numbers: Mapping[int, int], reserved_to: str
 def _claimable(
     session: Session, most: int, numbers: Mapping[int, int], reserved_to: str, *, locks: bool
 ) -> Sequence[Any]:
-    """Returns the first batches with runs that are not held; see :func:`_open_batches`."""
+    """Returns the first ``most`` batches with runs that are not held.
+
+    Each is its ``seq``, priority, number of served runs and number of queued runs.
+    """
     query = _open_batches(locks=locks)
     if numbers:
-        # Seldom, so that this query need not be kept.
+        # Few batches have held runs, if any: this query need not be kept.
         query = query.where(HeldRuns(session).others(numbers))
     return session.connection().execute(query, {"owner": reserved_to, "most": most}).all()
 
@@ -66,7 +75,8 @@ def _claimable(
 @cache
 def _open_batches(*, locks: bool) -> Select[Any]:
     """Returns the query for the first ``most`` batches with queued runs, reserved to ``owner``."""
-    # Constants in the text, as in the index of these batches.
+    # Constants in the text, as in the condition of the index that holds just these batches, in the
+    # order below: with parameters, SQLite would plan the query anew at each execution.
     query = (
         select(BATCHES.c.seq, BATCHES.c.priority, BATCHES.c.served, BATCHES.c.queued)
         .where(
