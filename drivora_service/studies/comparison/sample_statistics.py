@@ -80,12 +80,19 @@ def a12_interval(a12: float, n: int, m: int) -> tuple[float, float]:
     from scipy import optimize, stats
 
     z = float(stats.norm.ppf(0.5 + CONFIDENCE / 2.0))
+    # Hanley and McNeil (1982) have n - 1 and m - 1 for the two terms below, which are those of
+    # exponential distributions. Method 5 has their mean for both, so that the interval is mirrored
+    # if all values are negated.
     half = (n + m) / 2.0 - 1.0
 
     def spread(value: float) -> float:
         ties = 1.0 + half * (1.0 - value) / (2.0 - value) + half * value / (1.0 + value)
         return z * math.sqrt(value * (1.0 - value) * ties / (n * m))
 
+    # The standard error at the sought value and not at a12: at 0 and 1 that of a12 is 0, and the
+    # interval would have no width there. Each search is between a12, where the difference is
+    # negative, and the end of 0..1, where it is not; at an a12 of 1 or 0, that end itself is left
+    # out, as the other end's search would take it for its solution.
     low = high = a12
     if a12 > 0.0:
         low = float(optimize.brentq(lambda v: a12 - v - spread(v), 0.0, min(a12, 1.0 - _END)))
@@ -106,6 +113,9 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
             f"a p-value to correct is not a number: {', '.join(f'{p:g}' for p in p_values)}; a "
             "test that cannot tell two samples apart must give p = 1"
         )
+    # Holm 1979 ("A simple sequentially rejective multiple test procedure"): the smallest of k is
+    # multiplied by k, the next by k - 1, as it is tested only if the first was significant. A
+    # larger p must not become smaller than one before it, hence the running maximum.
     order = sorted(range(len(p_values)), key=p_values.__getitem__)
     corrected = [0.0] * len(p_values)
     largest = 0.0

@@ -59,6 +59,8 @@ def p_of_more(before: Occurrences, now: Occurrences) -> float:
     # Imported here: importing it takes half a second, which commands without a gate skip.
     from scipy import stats
 
+    # Exact, since a scenario is run a few times only. Given both margins, the number of occurrences
+    # now is hypergeometric; its survival function at one less has the observed number in it.
     every, occurred = before.of + now.of, before.runs + now.runs
     return float(stats.hypergeom.sf(now.runs - 1, every, occurred, now.of))
 
@@ -78,12 +80,16 @@ def p_of_more_overall(pairs: Iterable[tuple[Occurrences, Occurrences]]) -> float
     surplus = variance = 0.0
     for before, now in pairs:
         every, occurred = before.of + now.of, before.runs + now.runs
+        # Without runs on one side, a stratum has neither surplus nor variance.
         if before.of == 0 or now.of == 0 or every < 2:
             continue
+        # Mean and variance of the hypergeometric distribution of the stratum's occurrences now.
         surplus += now.runs - now.of * occurred / every
         variance += now.of * before.of * occurred * (every - occurred) / (every**2 * (every - 1))
     if variance <= 0.0:
         return None
+    # The correction: the surplus changes in steps of 1, the normal distribution does not. The p is
+    # its upper tail, by the complementary error function.
     z = (surplus - 0.5) / math.sqrt(variance)
     return 0.5 * math.erfc(z / math.sqrt(2.0))
 
@@ -97,6 +103,8 @@ def share(part: int, whole: int) -> Interval:
     """
     if not whole:
         return Interval(mean=0.0, low=0.0, high=1.0)
+    # All shares p for which the observed one is within z standard errors sqrt(p (1 - p) / n): the
+    # ends are the roots of a quadratic equation. By rounding, one may be beyond 0 or 1.
     mean, z2 = part / whole, _Z_95**2
     middle = (mean + z2 / (2.0 * whole)) / (1.0 + z2 / whole)
     half = _Z_95 / (1.0 + z2 / whole) * math.sqrt(mean * (1.0 - mean) / whole + z2 / 4.0 / whole**2)
@@ -121,6 +129,7 @@ def mean_of_repetitions(values: Sequence[float], *, confidence: float) -> Interv
         return Interval(mean=mean)
     from scipy import stats
 
+    # The standard error of the mean: n - 1 for the variance, n for the mean.
     spread = math.sqrt(math.fsum((value - mean) ** 2 for value in values) / (n - 1) / n)
     half = float(stats.t.ppf(0.5 + confidence / 2.0, n - 1)) * spread
     return Interval(mean=mean, low=mean - half, high=mean + half)

@@ -25,8 +25,11 @@ def minimal_subset(count: int) -> Search:
     """
     if count == 0:
         return frozenset()
+    # All at once first: if none of the items matters, one test shows it.
     if (yield [frozenset()]) is not None:
         return frozenset()
+    # Only complements of chunks are tried. The other half of ddmin, each chunk alone, is left out:
+    # 1-minimality rests on the last round only.
     kept = list(range(count))
     size = max(count // 2, 1)
     while True:
@@ -41,6 +44,9 @@ def minimal_subset(count: int) -> Search:
             start += found * size
             del kept[start : start + size]
             has_progressed = True
+        # A round of single items without progress has tried each of them against the same rest,
+        # which is 1-minimality. After progress it has not: an item that was needed before may not
+        # be needed any more.
         if size == 1 and not has_progressed:
             return frozenset(kept)
         size = max(size // 2, 1)

@@ -91,7 +91,8 @@ class Minimizer:
         state: The smallest document so far; ``None`` before that, too.
         decided: Number of trials that the search needed so far, which is the same on any number
             of workers. A document that was tried before needs none.
-        is_one_minimal: Whether every single reduction of the document was tried in vain.
+        is_one_minimal: Whether every single reduction of the document was tried and none of them
+            fails in the same way.
     """
 
     def __init__(
@@ -102,7 +103,7 @@ class Minimizer:
         reductions: Reductions,
         budget: int,
     ) -> None:
-        """Begins with the reproduction of the failure.
+        """Creates a minimiser whose first wanted trial is the reproduction of the failure.
 
         Args:
             document: A document that can be run.
@@ -118,6 +119,9 @@ class Minimizer:
             raise ValueError("the document cannot be run here")
         self._check, self._reductions, self._budget = check, reductions, budget
         self._first = Trial(checked=checked, label="as it was", purpose=Purpose.REPRODUCE)
+        # Results by trial; they may come ahead of the search, in any order. What the search has
+        # needed in its own order counts against the budget, each trial once. Documents that were
+        # the smallest are not taken again, so that the search ends.
         self._results: dict[str, TrialResult] = {}
         self._counted: set[str] = set()
         self._visited: set[str] = set()
@@ -165,7 +169,7 @@ class Minimizer:
             self._advance()
 
     def choose_trials(self, most: int) -> tuple[Trial, ...]:
-        """Returns the next trials without an result, those that are needed first.
+        """Returns the next trials without a result, those that are needed first.
 
         Args:
             most: Greatest number of trials.
@@ -176,10 +180,13 @@ class Minimizer:
             case Phase.CONFIRMING:
                 return (self.confirmation,)
             case Phase.SEARCHING:
+                # More than is left of the budget cannot be needed.
                 return self._open(min(most, self._budget - self.decided))
         return ()
 
     def _open(self, most: int) -> tuple[Trial, ...]:
+        # Proposals behind the first one are tried ahead, for the case that none before them fails
+        # in the same way: otherwise they are not needed.
         found: dict[str, Trial] = {}
         for number in range(self._next, len(self._question.proposals)):
             if len(found) >= most:
@@ -214,6 +221,8 @@ class Minimizer:
         if result.failure is None:
             self.phase = Phase.NOT_REPRODUCED
             return
+        # The result of the reproduction is also that of trying the original document, which some
+        # proposal may lead back to, and which must not be simulated or counted again.
         first = self._first.checked
         self.original = State(document=first.document, failure=result.failure)
         self.state = self.original
@@ -235,6 +244,8 @@ class Minimizer:
                 key = self._trial(checked).key
                 result = self._results.get(key)
                 if key not in self._counted:
+                    # The budget before the result: one that was found ahead, with more workers,
+                    # must not lead further than the same search with one worker.
                     if self.decided == self._budget:
                         self.phase = Phase.CONFIRMING
                         return
@@ -248,6 +259,8 @@ class Minimizer:
             self._next += 1
 
     def _trial(self, checked: CheckedDocument, label: str = "the present one") -> Trial:
+        # The purpose is part of the key: a document that was tried without a trace has to be run
+        # again to be observed.
         is_observed = self._question.is_for_recording
         purpose = Purpose.OBSERVE if is_observed else Purpose.TRY
         return Trial(checked=checked, label=label or "to see how it fails", purpose=purpose)
@@ -267,6 +280,7 @@ class Minimizer:
             self._by_number.clear()
             self.stage = self._question.stage
         except StopIteration:
+            # The search ends only after its proof found nothing; see reduction_search.smallest().
             self.is_one_minimal = not self._has_circle
             self.phase = Phase.CONFIRMING
 
@@ -279,10 +293,14 @@ class Minimizer:
             document = self._question.proposals[number].document()
             checked = None if document is None else self._check(document)
             if checked is not None and not self._question.is_for_recording:
+                # The hash is that of the scenario, so that a simpler wording has the same one: it
+                # is taken without a simulation, unless nothing at all has changed.
                 if checked.sha256 == self._present:
                     # Else it would be taken again and again.
                     checked = None if document == self._document else checked
                 elif checked.sha256 in self._visited:
+                    # It fails in the same way and would be taken. If it is among the proposals of
+                    # the proof, a single reduction is possible: the result is not 1-minimal.
                     self._has_circle |= self.stage == PROOF
                     checked = None
             self._by_number[number] = checked

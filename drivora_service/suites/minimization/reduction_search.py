@@ -142,23 +142,32 @@ def smallest(state: State, reductions: Reductions) -> Search:
         state: The document to begin with.
         reductions: All reductions that there are.
     """
+    # Coarse before fine: an actor takes its waypoints and numbers along, which save their trials.
+    # After any success all passes are made again: what was needed with a part may not be without.
     while True:
         before = state.document
         for stage, parts in reductions.parts():
             state = yield from _subset(stage, state, parts(state))
             if stage == "actors":
-                # With fewer actors each run is cheaper; with less time, too.
+                # With fewer actors each run is cheaper; with less time, too. Hence these stages
+                # come before the other parts.
                 for name, alternatives in reductions.alternatives():
+                    # A later start needs the motions of the present document, in a trial of its
+                    # own: other trials record nothing.
                     if name == "begin":
                         state = yield from _record_run(state)
                     state = yield from _shorter(name, state, alternatives)
+        # Last, as rounding makes no run shorter, and with the fewest decimals first: a number that
+        # can do without any needs no trial with one.
         for decimals in DECIMALS:
             state = yield from _subset("numbers", state, make_roundings(state.document, decimals))
         if state.document != before:
             continue
         state = yield from _record_run(state)
-        # All of these have been answered; the proof does not rest on the order of the passes.
+        # Usually all of these have been answered, and cost no simulation. They are asked once more,
+        # so that 1-minimality does not rest on the order of the passes.
         taken = yield Question(stage=PROOF, proposals=reductions.single(state))
+        # An answer None is the only way out: no single reduction fails in the same way.
         if taken is None:
             return state
         state = taken.state
@@ -174,6 +183,8 @@ def _record_run(state: State) -> Search:
     """Returns a state with the recording of its run."""
     if state.recording is not None or state.failure.time is None:
         return state
+    # The same document as the only proposal. If it does not fail this time, the search goes on
+    # without a recording, and without later starts.
     same = Proposal(base=state.document, edits=())
     taken = yield Question(stage="begin", proposals=(same,), is_for_recording=True)
     return state if taken is None else replace(state, recording=taken.state.recording)
@@ -181,6 +192,8 @@ def _record_run(state: State) -> Search:
 
 def _subset(stage: str, state: State, edits: Sequence[Edit]) -> Search:
     """Applies as many edits together as there can be, up to 1-minimality."""
+    # minimal_subset() keeps parts, and an edit removes one: edits that are kept are not made, all
+    # others are made to the document of the beginning, in which their places are valid.
     base, search = state.document, minimal_subset(len(edits))
     try:
         candidates = next(search)
@@ -202,6 +215,8 @@ def _subset(stage: str, state: State, edits: Sequence[Edit]) -> Search:
 
 def _shorter(stage: str, state: State, alternatives: Alternatives) -> Search:
     """Takes the first alternative of each list that can be taken."""
+    # The lists are made anew after each success, as they depend on the document and its failure.
+    # The same one is tried again then, as it may allow more.
     number = 0
     while number < len(lists := alternatives(state)):
         proposals = tuple(Proposal(base=state.document, edits=(edit,)) for edit in lists[number])

@@ -45,6 +45,8 @@ def mean_intervals(
 
 def _resample_means(values: NDArray[np.float64], resamples: int, seed: int) -> NDArray[np.float64]:
     """Returns the mean of each column in each drawn sample; NaN where it drew no value."""
+    # A sample is the number of times that each scenario was drawn, so that the means of all metrics
+    # are two products of matrices. A metric that a scenario lacks is left out of both.
     known = np.isfinite(values)
     filled = np.where(known, values, 0.0)
     parts = []
@@ -59,6 +61,7 @@ def _draws(n: int, resamples: int, rng: np.random.Generator) -> Iterator[NDArray
     at_once = max(1, _VALUES_AT_ONCE // max(n, 1))
     for start in range(0, resamples, at_once):
         samples = min(at_once, resamples - start)
+        # Each sample counts in a range of its own, so that one call counts for all of them.
         drawn = rng.integers(0, n, size=(samples, n))
         drawn += n * np.arange(samples)[:, None]
         counts = np.bincount(drawn.ravel(), minlength=samples * n).reshape(samples, n)
@@ -70,6 +73,7 @@ def _interval(values: NDArray[np.float64], means: NDArray[np.float64]) -> Interv
     if len(known) < 2:
         return None
     mean = float(known.mean())
+    # Every sample has the same mean, and the acceleration would divide 0 by 0.
     if np.ptp(known) == 0.0:
         return mean, mean
     from scipy import stats
@@ -77,11 +81,13 @@ def _interval(values: NDArray[np.float64], means: NDArray[np.float64]) -> Interv
     means = means[np.isfinite(means)]
     # Means of discrete values are often equal to the observed one, but for rounding.
     near = np.isclose(means, mean, rtol=1e-12, atol=1e-12 * float(np.ptp(known)))
+    # Those count half, or the bias correction would depend on how ties happen to be rounded.
     below = float(((means < mean) & ~near).mean() + 0.5 * near.mean())
-    # The acceleration has no unit. By a power of two nothing is rounded, and no cube of a tiny or
-    # huge difference leaves the range of numbers.
+    # By the jackknife (Efron and Tibshirani, "An introduction to the bootstrap", 1993, eq. 14.15).
+    # Leaving a value out moves the mean by -(value - mean) / (n - 1), of which the factor cancels.
     apart = np.ldexp(known - mean, -int(np.frexp(np.ptp(known))[1]))
     acceleration = float((apart**3).sum() / (6.0 * (apart**2).sum() ** 1.5))
+    # Eq. 14.14 for the bias, and below 14.10 for the shares of the samples at which the ends are.
     bias = float(stats.norm.ppf(below))
     ends = []
     for share in ((1.0 - CONFIDENCE) / 2.0, (1.0 + CONFIDENCE) / 2.0):

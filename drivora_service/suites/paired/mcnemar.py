@@ -55,6 +55,8 @@ def mcnemar_p(first: int, second: int) -> float:
     If both outcomes are equally likely to fail alone, each discordant pair is a toss of a fair
     coin (McNemar 1947, with the binomial distribution instead of its approximation).
     """
+    # Exact, as few scenarios differ in the comparisons that matter (decision 56). Pairs in which
+    # both fail or neither does tell nothing about which of them fails more, and are left out.
     if not first + second:
         return 1.0
     # Imported here: importing it takes half a second, which the service's start skips.
@@ -77,18 +79,23 @@ def tango_interval(more: int, less: int, n: int) -> tuple[float, float]:
     """
     from scipy import optimize, stats
 
+    # Given a difference delta, the most likely share q of pairs in which only the second counts is
+    # the larger root of 2n q² + linear q + product = 0. It gives the variance under delta, which is
+    # n (2q + delta - delta²); the observed one would be 0 where no pair differs.
     z = float(stats.norm.ppf(0.5 + CONFIDENCE / 2.0))
     first, last = -1.0 + _END, 1.0 - _END
 
     def score(delta: float) -> float:
         linear = -more - less + (2 * n - more + less) * delta
         product = -less * delta * (1.0 - delta)
+        # By rounding, the discriminant may be slightly negative.
         root = math.sqrt(max(0.0, linear * linear - 8.0 * n * product))
         least = (root - linear) / (4.0 * n)
         variance = n * (2.0 * least + delta * (1.0 - delta))
         return (more - less - n * delta) / math.sqrt(max(variance, _END * _END))
 
-    # The score falls as the difference grows.
+    # The score falls as the difference grows, from above z to below -z unless an end of -1..1 is
+    # itself compatible with the data; then the interval reaches it.
     low = (
         first if score(first) <= z else float(optimize.brentq(lambda d: score(d) - z, first, last))
     )

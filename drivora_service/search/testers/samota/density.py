@@ -64,6 +64,8 @@ class _Cluster:
 
 
 def _distances(points: FloatArray) -> FloatArray:
+    # Differences, and not one product as in surrogates.squared_distances: equal points must have
+    # the distance 0 exactly, at which their density is infinite.
     columns = np.ascontiguousarray(points.T)
     found = np.empty((len(points), len(points)))
     for row, squares in enumerate(found):
@@ -80,6 +82,7 @@ def _spanning_tree(points: FloatArray, least: int) -> tuple[IntArray, IntArray, 
     Distances are mutual reachabilities: at least the radius in which either point is dense. This
     is Prim's algorithm.
     """
+    # The least-th neighbour, counting the point itself, whose distance is the smallest one.
     distances = _distances(points)
     radii = np.partition(distances, least - 1, axis=1)[:, least - 1]
     np.maximum(distances, radii, out=distances)
@@ -90,6 +93,7 @@ def _spanning_tree(points: FloatArray, least: int) -> tuple[IntArray, IntArray, 
     is_outside = np.ones(n, dtype=np.bool_)
     ones, others = np.empty((2, n - 1), dtype=np.int64)
     lengths = np.empty(n - 1)
+    # Prim and not Kruskal, which would sort the n² edges of a complete graph.
     node = 0
     for edge in range(n - 1):
         is_outside[node] = False
@@ -105,6 +109,8 @@ def _spanning_tree(points: FloatArray, least: int) -> tuple[IntArray, IntArray, 
 
 def _merges(ones: IntArray, others: IntArray, lengths: FloatArray) -> list[_Merge]:
     """Returns the unions along the edges, in order."""
+    # A union-find forest: a union is the root of its two parts, and numbered after all before it,
+    # so that the numbers ascend with the distance.
     n = len(lengths) + 1
     parents = list(range(2 * n - 1))
     sizes = [1] * n + [0] * (n - 1)
@@ -121,6 +127,7 @@ def _merges(ones: IntArray, others: IntArray, lengths: FloatArray) -> list[_Merg
 
 def _root(parents: list[int], node: int) -> int:
     while parents[node] != node:
+        # Path halving: later searches skip every other node.
         parents[node] = parents[parents[node]]
         node = parents[node]
     return node
@@ -132,6 +139,9 @@ def _condense_tree(merges: list[_Merge], n: int, least: int) -> list[_Cluster]:
     def size(node: int) -> int:
         return 1 if node < n else merges[node - n].size
 
+    # From the union of all points down, which is from low densities to high ones. Only two parts
+    # that are both large enough are new clusters; a smaller part leaves the cluster point by point,
+    # and what remains is the same cluster at a higher density.
     clusters = [_Cluster(birth=0.0)]
     queue = deque([(2 * n - 2, 0)])
     while queue:
@@ -175,6 +185,9 @@ def _select_clusters(clusters: list[_Cluster]) -> list[int]:
 
     All points together are no cluster.
     """
+    # From the smallest clusters up, as parts have greater numbers than what they are parts of:
+    # either a cluster is chosen, or the best choice within it, whichever is more stable in sum. Of
+    # equals, the larger cluster.
     stability = [cluster.stability for cluster in clusters]
     chosen: list[list[int]] = [[] for _ in clusters]
     for number in range(len(clusters) - 1, 0, -1):

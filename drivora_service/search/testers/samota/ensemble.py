@@ -42,6 +42,8 @@ class Ensemble:
 
     def predict(self, features: FloatArray) -> Prediction:
         """Predicts the objectives of candidates with features (q, e)."""
+        # The weights are for the mean only. The uncertainty is the dissent of any two surrogates,
+        # which a simulation of the candidate settles.
         said = np.stack([surrogate.predict(features) for surrogate in self.surrogates])
         expected = np.einsum("sm,sqm->qm", self.weights, said)
         return Prediction(
@@ -67,9 +69,11 @@ def fit_ensemble(
         random: Generator for the folds of the validation.
         folds: Number of parts of the training set; each is predicted by models of the others.
     """
+    # Scaled, as the ridges and noises of the surrogates are shares of a variance of 1.
     mean, deviation = objectives.mean(axis=0), objectives.std(axis=0)
     deviation = np.where(deviation > 1e-12, deviation, 1.0)
     scaled = (objectives - mean) / deviation
+    # The models of the folds only weight; those that predict are trained with all points.
     return Ensemble(
         surrogates=tuple(fit(features, scaled) for fit in fits),
         weights=weights(validation_errors(features, scaled, fits, random, folds=folds)),
@@ -87,6 +91,8 @@ def validation_errors(
     folds: int,
 ) -> FloatArray:
     """Returns the root mean squared errors (s, m) of cross-validation."""
+    # Errors on points that a model has not seen: at its own points, a radial basis function has
+    # nearly none. The parts differ by one point at most in size, and are drawn for each training.
     part = random.permutation(len(features)) % folds
     squared = np.zeros((len(fits), objectives.shape[1]))
     for held in range(folds):
@@ -109,6 +115,8 @@ def weights(errors: FloatArray) -> FloatArray:
     Args:
         errors: (s, m) errors of validation, not negative.
     """
+    # However small its error, a surrogate has at most 1 / (s - 1) of the mean: of three, the one
+    # that was best in the validation decides half at most.
     count = len(errors)
     total = errors.sum(axis=0)
     if count == 1:

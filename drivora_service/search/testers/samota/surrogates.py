@@ -61,11 +61,14 @@ class RadialBasis:
 
         So it scales with the number of features.
         """
+        # The median heuristic: half of all pairs of training points have a value above 1/e,
+        # whatever the number of features. A choice among widths would solve the system for each.
         squared = squared_distances(features, features)
         n = len(squared)
         # Without the diagonal, which is the last column of rows that are one longer.
         apart = squared.reshape(-1)[1:].reshape(n - 1, n + 1)[:, :-1]
         width = float(np.median(apart))
+        # Otherwise most pairs are equal points, and any width does.
         width = width if width > 1e-9 else 1.0
         return RadialBasis(
             centres=features,
@@ -85,7 +88,8 @@ class RadialBasis:
 class Polynomial:
     """A polynomial of degree 2 with all products, by ridge regression.
 
-    In the dual form, the cost of which does not depend on the number of coefficients, about e²/2.
+    In the dual form (Saunders, Gammerman, Vovk, "Ridge regression learning algorithm in dual
+    variables", 1998), the cost of which does not depend on the number of coefficients, about e²/2.
 
     Attributes:
         points: (n, e) training points, in -1..1.
@@ -144,6 +148,7 @@ class Kriging:
     @staticmethod
     def fit(features: FloatArray, objectives: FloatArray, *, components: int) -> Kriging:
         """Fits every objective; length and noise are the most likely ones of a small grid."""
+        # n centred points span n - 1 directions at most.
         count = min(components, features.shape[1], len(features) - 1)
         return Kriging(
             latents=tuple(_fit_latent(features, column, count) for column in objectives.T)
@@ -160,14 +165,18 @@ def _fit_latent(features: FloatArray, objective: FloatArray, components: int) ->
     mean = features.mean(axis=0)
     rotations = latent_directions(features - mean, objective, components)
     latent = (features - mean) @ rotations
+    # Scaled, so that one length serves all directions, and the grid of lengths any data.
     deviation = latent.std(axis=0)
     scale = np.where(deviation > 1e-9, deviation, 1.0)
     points = latent / scale
     squared = squared_distances(points, points)
     likeliest, found = -np.inf, (LENGTHS[0], np.zeros(len(objective)))
+    # A grid in place of an optimiser: twelve factors of an n by n matrix, which is the whole cost
+    # (decision 18). The variance of the process is that of the objective, 1, and not fitted.
     for length in LENGTHS:
         correlation = np.asfortranarray(np.exp(squared * (-0.5 / length**2)))
         for noise in NOISES:
+            # A copy, as the factor takes its place; in the order of columns, as LAPACK has it.
             covariance = np.array(correlation, order="F")
             covariance.reshape(-1, order="F")[:: len(points) + 1] += noise
             # LAPACK's routines themselves: the checks of SciPy's functions take as long again.
@@ -175,7 +184,9 @@ def _fit_latent(features: FloatArray, objective: FloatArray, components: int) ->
             if failed:
                 raise np.linalg.LinAlgError(f"a covariance is singular: dpotrf returned {failed}")
             coefficients, _ = dpotrs(factor, objective, lower=1)
-            # Rasmussen and Williams, "Gaussian processes for machine learning" (2006), eq. 2.30.
+            # Rasmussen and Williams, "Gaussian processes for machine learning" (2006), eq. 2.30,
+            # without its constant. Half the logarithm of the determinant is the sum of those on the
+            # factor's diagonal.
             likelihood = -0.5 * objective @ coefficients - np.log(factor.diagonal()).sum()
             if likelihood > likeliest:
                 likeliest, found = likelihood, (length, coefficients)
@@ -206,8 +217,12 @@ def latent_directions(features: FloatArray, objective: FloatArray, components: i
     left = features
     directions, loadings = [], []
     for _ in range(components):
+        # The direction of the greatest covariance with the objective. The objective itself is not
+        # deflated: what is left of the features is orthogonal to all scores before, so that the
+        # part of it which they explain does not change this product.
         direction = left.T @ objective
         length = float(np.linalg.norm(direction))
+        # Relative to n, as the product is a sum over the n points.
         if length <= 1e-9 * len(features):
             break
         direction /= length
@@ -216,8 +231,11 @@ def latent_directions(features: FloatArray, objective: FloatArray, components: i
         left = left - np.outer(scores, loading)
         directions.append(direction)
         loadings.append(loading)
+    # An objective that depends on nothing: all points coincide, and its mean is predicted.
     if not directions:
         return np.zeros((features.shape[1], 1))
+    # The directions are those of the deflated features. For the features themselves: W (P'W)^-1,
+    # with the directions W and the loadings P (Wold et al., the weights W*).
     found = np.stack(directions, axis=1)
     rotations: FloatArray = found @ np.linalg.inv(np.stack(loadings) @ found)
     return rotations
@@ -225,6 +243,7 @@ def latent_directions(features: FloatArray, objective: FloatArray, components: i
 
 def squared_distances(first: FloatArray, second: FloatArray) -> FloatArray:
     """Returns the squared distances (q, n) between points (q, e) and (n, e)."""
+    # |a|² + |b|² - 2ab: one product of matrices in place of an array of all differences (q, n, e).
     if first is second:
         # One half of a symmetric product is computed only.
         products = first @ second.T
@@ -239,6 +258,8 @@ def squared_distances(first: FloatArray, second: FloatArray) -> FloatArray:
 
 def _products(first: FloatArray, second: FloatArray) -> FloatArray:
     """Returns the kernel (q, n) of all polynomials up to degree 2."""
+    # Divided by e, so that values stay in 0..4 and the ridge means the same for any number of
+    # features.
     kernel: FloatArray = (1.0 + first @ second.T / first.shape[1]) ** 2
     return kernel
 
@@ -247,6 +268,8 @@ def _solve_ridge(kernel: FloatArray, ridge: float, objectives: FloatArray) -> Fl
     """Returns the coefficients (n, m) of a kernel (n, n) with a ridge; changes the kernel."""
     from scipy.linalg.lapack import dpotrf, dpotrs
 
+    # Both kernels are positive semidefinite, and with the ridge definite: Cholesky's factor exists,
+    # at half the cost of a general one.
     kernel.flat[:: len(kernel) + 1] += ridge
     # SciPy's ``solve`` also estimates the condition, which takes longer than the solution.
     factor, failed = dpotrf(np.asfortranarray(kernel), clean=0, overwrite_a=1)
