@@ -56,7 +56,7 @@ class Resources:
     """The resources of an application that have been added to it."""
 
     def __init__(self, api: FastAPI, methods: MethodTable) -> None:
-        """Adds none.
+        """Creates the record; no resource is added yet.
 
         Args:
             api: The application.

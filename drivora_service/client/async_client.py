@@ -81,7 +81,7 @@ class AsyncClient(AwaitedOperations):
         timeout_s: float = TIMEOUT_S,
         on_retry: OnRetry = ignore_retry,
     ) -> None:
-        """Prepares a client; nothing is asked yet.
+        """Creates a client; no request is sent yet.
 
         Args:
             url: Address of the service, such as ``http://127.0.0.1:8000``.
@@ -126,7 +126,7 @@ class AsyncClient(AwaitedOperations):
         await self._http.aclose()
 
     async def ask(self, call: Call[T]) -> T:
-        """Makes a call and returns its answer."""
+        """Sends the request of a call and returns its answer."""
         return (await self._result(perform_call(call, self._terms))).value
 
     def items(self, listing: Listing[T]) -> AsyncIterator[T]:
@@ -134,11 +134,11 @@ class AsyncClient(AwaitedOperations):
         return self._emit_items(list_items(listing, self._terms))
 
     def listen(self, call: Call[bytes]) -> AsyncIterator[Event]:
-        """Returns the events of a call as they are told; the call is made when one is wanted."""
+        """Returns the events of a call as they come; it is made when the first is wanted."""
         return self._emit_items(receive_events(call, self._terms))
 
     async def save(self, call: Call[bytes], path: Path) -> None:
-        """Makes a call and writes its answer to a file as it comes; the file is whole or absent.
+        """Writes the answer of a call to a file as it comes; the file is whole or absent.
 
         Raises:
             StoreError: The file cannot be written.
@@ -146,7 +146,7 @@ class AsyncClient(AwaitedOperations):
         await self._result(perform_call(call, self._terms, target=path))
 
     async def expect_workers(self) -> None:
-        """Makes sure that the service can begin runs.
+        """Checks that the service can begin runs.
 
         Raises:
             ServiceError: It cannot, or did not answer.

@@ -127,7 +127,7 @@ class Patience:
 
 
 def perform_call(call: Call[T], terms: Terms, *, target: Path | None = None) -> Flow[Answer[T]]:
-    """Makes a call, repeatedly if that does no harm.
+    """Sends the request of a call, again after a failure if that does no harm.
 
     Raises:
         InvalidDocument: The service refused a document.

@@ -88,7 +88,7 @@ class _Pace:
 
 
 def check_workers(terms: Terms) -> Flow[None]:
-    """Makes sure that the service can begin runs.
+    """Checks that the service can begin runs.
 
     Raises:
         ServiceUnavailable: It cannot, or did not answer.

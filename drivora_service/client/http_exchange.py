@@ -26,7 +26,7 @@ class Exchange:
     """
 
     def __init__(self, app: Application, request: httpx.Request, state: dict[str, Any]) -> None:
-        """Prepares a request.
+        """Creates the exchange; :meth:`begin` calls the application.
 
         Args:
             app: What answers.
@@ -49,7 +49,7 @@ class Exchange:
         self._pump: asyncio.Task[None] | None = None
 
     def begin(self) -> asyncio.Task[None]:
-        """Starts the application on the request; returns its task."""
+        """Calls the application with the request; returns the task in which it answers."""
         self._pump = asyncio.create_task(self._send_body())
         self._pump.add_done_callback(lambda _: self._body_in.close())
         return asyncio.create_task(self._answer())

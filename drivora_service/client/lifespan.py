@@ -27,7 +27,7 @@ class Lifespan:
     """
 
     def __init__(self, app: Application) -> None:
-        """Prepares; the application is not called yet."""
+        """Creates the lifespan; :meth:`start` calls the application."""
         self.state: dict[str, Any] = {}
         self._app = app
         self._task: asyncio.Task[None] | None = None

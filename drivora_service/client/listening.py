@@ -46,15 +46,15 @@ class EventReader:
     """Reads server-sent events from the parts of a body.
 
     Attributes:
-        last_id: The last position that was told, with an event or without.
+        last_id: The last position that the service sent, with an event or without.
     """
 
     def __init__(self, last_id: str, service: Service) -> None:
-        """Begins to read.
+        """Creates a reader that has read nothing.
 
         Args:
             last_id: Position after which the stream begins; "": none.
-            service: Who tells.
+            service: The service whose events they are, for messages of errors.
         """
         self.last_id = last_id
         self._service = service

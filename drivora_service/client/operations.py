@@ -75,7 +75,7 @@ class Listed(Generic[P, T]):
 
 
 class Told(Generic[P]):
-    """A method that returns the events of a call as they are told."""
+    """A method that returns the events of a call as they come."""
 
     def __init__(self, make: Callable[P, Call[bytes]]) -> None:
         self.make = make
@@ -249,7 +249,7 @@ class BlockingOperations(Operations, ABC):
 
     @abstractmethod
     def ask(self, call: Call[T]) -> T:
-        """Makes a call and returns its answer."""
+        """Sends the request of a call and returns its answer."""
 
     @abstractmethod
     def items(self, listing: Listing[T]) -> Iterator[T]:
@@ -257,11 +257,11 @@ class BlockingOperations(Operations, ABC):
 
     @abstractmethod
     def listen(self, call: Call[bytes]) -> Iterator[Event]:
-        """Returns the events of a call as they are told; the call is made when one is wanted."""
+        """Returns the events of a call as they come; it is made when the first is wanted."""
 
     @abstractmethod
     def save(self, call: Call[bytes], path: Path) -> None:
-        """Makes a call and writes its answer to a file as it comes; the file is whole or absent.
+        """Writes the answer of a call to a file as it comes; the file is whole or absent.
 
         Raises:
             StoreError: The file cannot be written.
@@ -273,7 +273,7 @@ class AwaitedOperations(Operations, ABC):
 
     @abstractmethod
     async def ask(self, call: Call[T]) -> T:
-        """Makes a call and returns its answer."""
+        """Sends the request of a call and returns its answer."""
 
     @abstractmethod
     def items(self, listing: Listing[T]) -> AsyncIterator[T]:
@@ -281,11 +281,11 @@ class AwaitedOperations(Operations, ABC):
 
     @abstractmethod
     def listen(self, call: Call[bytes]) -> AsyncIterator[Event]:
-        """Returns the events of a call as they are told; the call is made when one is wanted."""
+        """Returns the events of a call as they come; it is made when the first is wanted."""
 
     @abstractmethod
     async def save(self, call: Call[bytes], path: Path) -> None:
-        """Makes a call and writes its answer to a file as it comes; the file is whole or absent.
+        """Writes the answer of a call to a file as it comes; the file is whole or absent.
 
         Raises:
             StoreError: The file cannot be written.

@@ -24,7 +24,7 @@ class Stream:
     """The answer that a flow listens to, if any; a context manager that closes it."""
 
     def __init__(self, client: httpx.Client) -> None:
-        """Begins without one; ``client`` asks."""
+        """Creates it without an answer; ``client`` sends the requests."""
         self._client = client
         self._open = contextlib.ExitStack()
         self._parts: Iterator[bytes] = iter(())
@@ -75,7 +75,7 @@ class AsyncStream:
     """The same for an asynchronous client."""
 
     def __init__(self, client: httpx.AsyncClient) -> None:
-        """Begins without one; ``client`` asks."""
+        """Creates it without an answer; ``client`` sends the requests."""
         self._client = client
         self._open = contextlib.AsyncExitStack()
         self._parts: AsyncIterator[bytes] | None = None

@@ -37,7 +37,7 @@ class AsyncApplicationTransport(httpx.AsyncBaseTransport):
     """
 
     def __init__(self, app: Application) -> None:
-        """Prepares; the application is not called yet."""
+        """Creates the transport; the application is not called before the first request."""
         self._app = app
         self._lifespan = Lifespan(app)
         self._open: dict[asyncio.Task[None], Exchange] = {}
@@ -102,7 +102,7 @@ class ApplicationTransport(httpx.BaseTransport):
     """
 
     def __init__(self, app: Application) -> None:
-        """Prepares; the application is not called yet."""
+        """Creates the transport; the application is not called before the first request."""
         self._inner = AsyncApplicationTransport(app)
         self._lock = threading.Lock()
         self._stack = contextlib.ExitStack()

@@ -42,7 +42,7 @@ class Waiting:
         self._has_events, self._is_open = not terms.service.is_local, False
 
     def begin(self) -> Flow[None]:
-        """Begins to listen, before the first look, so that no change is between the two."""
+        """Opens the stream of events, before the first look, so that no change is missed."""
         if not self._has_events or self._is_open:
             return
         headers = dict(self._call.headers)
@@ -64,7 +64,7 @@ class Waiting:
         """
         if not self._is_open:
             yield otherwise
-            # What has changed meanwhile is told at once.
+            # A stream begins with what has changed meanwhile.
             yield from self.begin()
             return
         earliest = time.monotonic() + min(max(looked_s, _SHORTEST_S), _LONGEST_S)

@@ -50,7 +50,7 @@ class Child:
     """
 
     def __init__(self, task: WorkerTask, *, log: Path, limits: Limits) -> None:
-        """Prepares; :meth:`replace` starts the first process."""
+        """Creates the record, without a process; :meth:`replace` starts the first one."""
         self._task, self._limits = task, limits
         self._worker: KeptWorker | None = None
         self._runs = 0

@@ -70,7 +70,7 @@ def prepare_processes(*, preloaded: bool = True) -> None:
 
 
 def start_process(target: Callable[..., None], args: tuple[Any, ...]) -> BaseProcess:
-    """Starts a process from the fork server.
+    """Returns a process that was started from the fork server.
 
     Args:
         target: Function that the process calls.
@@ -110,7 +110,7 @@ def _end_stopped_server() -> None:
 
 
 def spawn_process(target: Callable[..., None], args: tuple[Any, ...]) -> BaseProcess:
-    """Starts a process without preloaded imports; see :func:`start_process`."""
+    """Returns a process that was started without preloaded imports; see :func:`start_process`."""
     process: BaseProcess = multiprocessing.get_context("spawn").Process(
         target=target, args=args, daemon=True
     )

@@ -28,7 +28,7 @@ class Housekeeping:
         every_s: float = _EVERY_S,
         explained: Callable[[], bool] = lambda: False,
     ) -> None:
-        """Prepares the thread.
+        """Creates the housekeeping; :meth:`start` starts its thread.
 
         Args:
             database: Holds the runs and campaigns.
@@ -48,7 +48,7 @@ class Housekeeping:
         )
 
     def start(self) -> None:
-        """Starts the thread, unless everything is kept."""
+        """Starts the thread; without a retention time there is nothing to do, and no thread."""
         if not self._retention.keeps_everything:
             self._thread.start()
 

@@ -56,7 +56,7 @@ class Infrastructure:
     def __init__(
         self, probes: Mapping[str, Probe], *, on_fatal: Callable[[str], None] = lambda _: None
     ) -> None:
-        """Begins with no fault.
+        """Creates the record of the probes, with no fault; :meth:`start` starts the thread.
 
         Args:
             probes: Probes by the name under which they are reported.
@@ -110,7 +110,7 @@ class Infrastructure:
         return self.fault
 
     def start(self, *, on_change: Callable[[], None]) -> None:
-        """Starts the thread.
+        """Starts the thread that probes.
 
         Args:
             on_change: Called, from any probing thread, when a fault begins or ends.

@@ -6,14 +6,14 @@ import time
 
 
 class Interval:
-    """The time between two of them; it is over at the beginning."""
+    """An interval between two times of doing something; the first one is over at once."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
         self._until = 0.0
 
     def is_over(self) -> bool:
-        """Returns whether it is over; then the next one begins."""
+        """Returns whether the interval is over; if it is, the next one begins."""
         now = time.monotonic()
         if now < self._until:
             return False
@@ -21,5 +21,5 @@ class Interval:
         return True
 
     def end(self) -> None:
-        """Ends it at once."""
+        """Ends the interval at once: the next :meth:`is_over` returns true."""
         self._until = 0.0

@@ -24,7 +24,7 @@ class LogKeeper:
     """A thread that cuts logs that are too long; one for all slots, which look less often."""
 
     def __init__(self, logs: Callable[[], Iterable[WorkerLog]]) -> None:
-        """Starts the thread.
+        """Creates the log keeper and starts its thread.
 
         Args:
             logs: Returns the logs there are at present.
@@ -37,7 +37,7 @@ class LogKeeper:
         self._thread.start()
 
     def close(self) -> None:
-        """Ends the thread."""
+        """Ends the thread and waits until it has ended."""
         self._closing.set()
         self._thread.join()
 

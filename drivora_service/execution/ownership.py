@@ -61,7 +61,7 @@ class Ownership:
         is_command: bool = False,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Prepares; :meth:`register` makes this process an owner.
+        """Creates the record and locks nothing; :meth:`register` makes this process an owner.
 
         Args:
             database: Holds the leases.

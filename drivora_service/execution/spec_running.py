@@ -25,7 +25,7 @@ class Runs:
         executor: Executor,
         policy: RetryPolicy = RetryPolicy(),  # noqa: B008 # frozen
     ) -> None:
-        """Begins with none.
+        """Creates the record, with no run in flight.
 
         Args:
             executor: Must have no other user meanwhile.

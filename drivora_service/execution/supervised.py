@@ -33,7 +33,7 @@ class Backoff:
 
 
 class SupervisedThread:
-    """Repeats a function in a thread until it is told to stop.
+    """Repeats a function in a thread until :meth:`stop` is called.
 
     An exception of the function is logged, at most once a minute, and the function is called again
     after a pause. After too many consecutive failures that no known fault of the infrastructure
@@ -51,7 +51,7 @@ class SupervisedThread:
         on_fatal: Callable[[str], None] = lambda _message: None,
         backoff: Backoff = Backoff(),  # frozen
     ) -> None:
-        """Prepares the thread.
+        """Creates the thread; :meth:`start` starts it.
 
         Args:
             name: Name of the thread, for the log and the message.
@@ -75,7 +75,7 @@ class SupervisedThread:
         return self._thread.is_alive()
 
     def start(self) -> None:
-        """Starts the thread."""
+        """Starts the thread, which calls ``turn`` from now on."""
         self._thread.start()
 
     def stop(self) -> None:

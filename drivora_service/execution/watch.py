@@ -52,7 +52,7 @@ class Breach:
 
 
 class Watch:
-    """Watches one run.
+    """The limits of one run, with the time and memory that it has used.
 
     A run that is too long is timed out, or was stopped if it had little of that time itself. An
     agent whose call takes too long has failed. Memory is attributed to the agent if the worker was
@@ -61,7 +61,7 @@ class Watch:
     """
 
     def __init__(self, limits: Limits, *, now: float) -> None:
-        """Begins at ``now``, in seconds of a monotonic clock."""
+        """Creates the watch of a run that begins at ``now``, in seconds of a monotonic clock."""
         self._limits = limits
         self._last = now
         self._cpu_s: float | None = None

@@ -23,7 +23,7 @@ class WorkerLog:
     """
 
     def __init__(self, path: Path, *, longest: int) -> None:
-        """Begins without a file; :meth:`open` makes it.
+        """Creates the log; :meth:`open` creates its file.
 
         Args:
             path: Path of the file.
@@ -35,7 +35,7 @@ class WorkerLog:
         self._changing = threading.RLock()
 
     def open(self) -> int:
-        """Makes the file, unless it exists; returns its descriptor, which the log owns.
+        """Creates the file, unless it exists; returns its descriptor, which the log owns.
 
         Raises:
             OSError: It cannot be made.

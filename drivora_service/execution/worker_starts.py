@@ -29,7 +29,7 @@ class WorkerStarts:
     """
 
     def __init__(self, *, on_fault: Callable[[], None]) -> None:
-        """Begins without slots and with no fault.
+        """Creates the record of an executor without slots and without a fault.
 
         Args:
             on_fault: Called, from the thread of a slot, when workers cannot start.

@@ -89,7 +89,7 @@ class TesterCatalogue:
         parameters: Mapping[str, Any],
         components: Components,
     ) -> Tester:
-        """Makes a tester.
+        """Returns a new tester.
 
         Args:
             name: Name of the tester.
@@ -130,7 +130,7 @@ def selection_plugins() -> PluginTable[SelectionPlugin]:
 
 
 def make_components(*, mutation: str = "", selection: str = "") -> Components:
-    """Makes the components that a campaign names; "" keeps the tester's own.
+    """Returns the components that a campaign names; "" keeps the tester's own.
 
     Raises:
         UnknownName: There is no component of that name.

@@ -18,7 +18,7 @@ from drivora_service.search.genes import GeneSpace
 
 
 class Mutation(Protocol):
-    """Makes a candidate from another."""
+    """Operator that changes a candidate."""
 
     def mutate(
         self,

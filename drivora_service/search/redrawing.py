@@ -42,7 +42,7 @@ class Redrawing:
 
     @classmethod
     def of(cls, context: TesterContext, attempts: int) -> Redrawing:
-        """Returns it for a tester."""
+        """Returns the redrawing of a tester."""
         return cls(decode_alike=context.decode_alike, attempts=attempts)
 
     def draw(

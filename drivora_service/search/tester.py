@@ -1,4 +1,4 @@
-"""A testing method as ask/tell: it proposes candidates and is told their evaluations."""
+"""A testing method as ask/tell: it proposes candidates and receives their evaluations."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Tester(Protocol):
     """A testing method.
 
     The caller asks and tells in one thread, and in an order that does not depend on time:
-    evaluations are told one by one in the order of their numbers, and after each one the tester is
+    evaluations come one by one in the order of their numbers, and after each one the tester is
     asked again. With the same space and a generator of the same seed a tester therefore makes the
     same proposals, so that its state can be rebuilt by telling it the known evaluations again.
     """
@@ -100,7 +100,7 @@ class Tester(Protocol):
         ...
 
     def tell(self, evaluation: Evaluation) -> None:
-        """Takes the next evaluation.
+        """Learns from the next evaluation.
 
         Raises:
             SearchError: It is out of order.
@@ -111,21 +111,21 @@ class Tester(Protocol):
 class Checkpoints(Protocol):
     """The checkpoints of a tester: its state after some evaluations.
 
-    They only save time: a tester without them comes to the same state by the evaluations that it is
-    told again.
+    They only save time: a tester without them comes to the same state by the evaluations that it
+    receives again.
     """
 
     def last(self) -> tuple[int, bytes] | None:
-        """Returns the latest checkpoint of which all evaluations will be told again.
+        """Returns the latest checkpoint of which all evaluations are stored.
 
         Returns:
-            The number of evaluations that the tester had been told, and its state; ``None`` if
+            The number of evaluations that the tester had received, and its state; ``None`` if
             there is none.
         """
         ...
 
     def save(self, told: int, state: bytes) -> None:
-        """Keeps the state after ``told`` evaluations."""
+        """Stores the state after ``told`` evaluations."""
         ...
 
 

@@ -28,7 +28,7 @@ class CommandDatabase:
         makes_data: bool,
         on_opened: Callable[[Database], None] = lambda _database: None,
     ) -> None:
-        """Prepares; nothing is opened or created.
+        """Creates the access to the database; nothing is opened or created yet.
 
         Args:
             data_dir: Data folder.

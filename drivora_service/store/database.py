@@ -226,7 +226,7 @@ class Database:
             yield Transaction(session)
 
     def probe(self) -> None:
-        """Makes a write that changes nothing.
+        """Commits a write that changes nothing; a storage without a fault allows it.
 
         Raises:
             StoreUnavailable: Nothing can be written now.
@@ -333,7 +333,7 @@ def open_database(
 
 
 def make_data_folder(folder: Path) -> None:
-    """Makes a folder for data, for its owner only; an existing one stays as it is.
+    """Creates a folder for data, for its owner only; an existing one stays as it is.
 
     Raises:
         StoreError: It cannot be made.

@@ -72,7 +72,7 @@ def upgrade(
     *,
     before_migration: Callable[[], None] = lambda: None,
 ) -> None:
-    """Does the migrations up to a revision.
+    """Migrates the database to a revision.
 
     Args:
         engine: Of the database.
@@ -97,7 +97,7 @@ def upgrade(
 
 
 def _make_schema_if_empty(engine: Engine) -> bool:
-    """Makes the newest schema in an empty database; returns whether it was empty.
+    """Creates the newest schema in an empty database; returns whether it was empty.
 
     It is that which all migrations lead to, up to the order of columns, in a tenth of the time.
     Only for SQLite, of which every test and many a command makes a database.

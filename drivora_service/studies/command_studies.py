@@ -55,7 +55,7 @@ class CommandStudies:
     """
 
     def __init__(self, setup: CommandSetup) -> None:
-        """Begins with none."""
+        """Creates the host, without studies."""
         self._setup = setup
         self._taken: list[str] = []
         self._threads: list[threading.Thread] = []

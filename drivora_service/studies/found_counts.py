@@ -25,7 +25,7 @@ class Finds:
     first_s: float | None = None
 
     def add(self, kind: str, verdict: Verdict, simulation: int, elapsed_s: float) -> None:
-        """Takes the next failure."""
+        """Counts the next failure."""
         if not self.kinds:
             self.first_s = elapsed_s
         self.kinds.setdefault(kind, simulation)

@@ -16,7 +16,7 @@ class ServiceStudies:
     """Hands the campaigns of studies to the host of campaigns."""
 
     def __init__(self, database: Database, campaigns: CampaignHost) -> None:
-        """Begins with none.
+        """Creates the host, without studies.
 
         Args:
             database: Database of the service.

@@ -15,10 +15,10 @@ from typing import Any, TypeAlias
 from drivora_service.oracles.verdict import Verdict
 
 PLACE = 10.0
-"""Metres, the side of the squares of a fixed grid by which places are told apart: two lengths of a
-car."""
+"""Metres, the side of the squares of a fixed grid by which places are distinguished: two lengths
+of a car."""
 SPEED = 5.0
-"""m/s by which speeds are told apart."""
+"""m/s by which speeds are distinguished."""
 
 _EGO_SPEEDS = ("ego_speed", "speed")
 _OTHER_SPEEDS = ("other_speed",)

@@ -150,7 +150,7 @@ def _read_all(
 
 
 def _count_genes(valid: ValidCampaign, catalogues: Catalogues) -> int:
-    """Makes the search of a campaign, and returns the number of its genes."""
+    """Returns the number of genes of a campaign, by preparing its search."""
     # Imported here: it needs the code of all testers.
     from drivora_service.campaigns.search.search_preparation import prepare_search
 

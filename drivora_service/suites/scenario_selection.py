@@ -31,7 +31,7 @@ class Shard:
     of: int
 
     def __str__(self) -> str:
-        """Returns it as it is given."""
+        """Returns the part as it is given, such as ``1/4``."""
         return f"{self.number}/{self.of}"
 
 

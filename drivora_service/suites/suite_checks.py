@@ -17,7 +17,7 @@ _DOCUMENTED = "as in the scenarios"
 
 
 def check_shards(results: SuiteResults, suite: Suite) -> None:
-    """Makes sure that no shard is missing among merged results.
+    """Checks that no shard is missing among merged results.
 
     Raises:
         ConfigurationError: A shard is missing; its failures would be overlooked.

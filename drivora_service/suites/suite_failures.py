@@ -46,7 +46,7 @@ class FailureKey:
     counterpart: str = ""
 
     def __str__(self) -> str:
-        """Returns it in words."""
+        """Returns the failure in words."""
         ego = f" of {self.ego}" if self.ego else ""
         other = f" with {self.counterpart}" if self.counterpart else ""
         return f"{self.scenario}: {self.oracle.replace('_', ' ')}{ego}{other}"

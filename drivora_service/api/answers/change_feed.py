@@ -79,7 +79,7 @@ class ChangeFeed:
         *,
         most: int = MOST_STREAMS,
     ) -> None:
-        """Prepares; nothing is read before the first stream.
+        """Creates the feed; nothing is read before the first stream.
 
         Args:
             opened: Returns the database.

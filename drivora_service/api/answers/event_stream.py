@@ -40,7 +40,7 @@ class Wanted:
         kinds: Kinds of objects.
         tells_workers: Whether it tells what the workers do.
         of: Id of the object that they are or belong to; "": all.
-        begin: Position after which changes are told.
+        begin: Position after which changes are sent.
         is_reset: Whether the client has seen changes that this database does not know.
     """
 
@@ -52,20 +52,20 @@ class Wanted:
 
 
 class EventStream(StreamingResponse):
-    """An answer that tells what changes until the client goes or the service is stopped.
+    """An answer that sends what changes until the client goes or the service is stopped.
 
     A client that reads slowly gets what has changed meanwhile as it is then; nothing is kept for
     it. One that reads nothing is dropped with its connection.
     """
 
     def __init__(self, feed: ChangeFeed, wanted: Wanted, is_allowed: Callable[[], bool]) -> None:
-        """Prepares; the stream has joined the feed and leaves it at its end.
+        """Creates the answer of a stream that has joined the feed; it leaves the feed at its end.
 
         Args:
             feed: What changes.
-            wanted: What of it is told.
+            wanted: What of it is sent.
             is_allowed: Returns whether the client's token is still valid. It is asked before
-                whatever is told, so it must be cheap.
+                each event, so it must be cheap.
         """
         super().__init__(_events(feed, wanted, is_allowed), headers=HEADERS, media_type=EVENTS)
         self._feed = feed
@@ -108,7 +108,7 @@ async def _events(
                 position = listed.position
                 told = tuple(c for c in listed.changes if not wanted.of or c.is_of(wanted.of))
                 if told:
-                    # After the list was waited for: nothing is told once the token is revoked.
+                    # After the wait for the list: nothing is sent once the token is revoked.
                     if not is_allowed():
                         return
                     changes = Changes(revision=position.revision, changes=told)

@@ -54,7 +54,7 @@ class NetworkImports:
     """
 
     def __init__(self, folder: Path, limits: ImportLimits | None = None) -> None:
-        """Prepares; nothing is written yet.
+        """Creates the imports; nothing is written yet.
 
         Args:
             folder: Folder of imported networks.
@@ -163,7 +163,7 @@ class NetworkImports:
             shutil.rmtree(stage, ignore_errors=True)
 
     async def _make(self, request: Request, upload: Upload, stage: Path) -> None:
-        """Makes the network, unless the client leaves meanwhile."""
+        """Imports the uploaded network into ``stage``, unless the client leaves meanwhile."""
         from drivora_service.networks.importing.confined_import import import_confined
 
         order = ImportOrder(format=upload.format, name=upload.name, limits=self._limits)

@@ -45,7 +45,7 @@ class Pictures:
     """
 
     def __init__(self, most_bytes: int = MOST_BYTES, most_waiting: int = MOST_WAITING) -> None:
-        """Keeps none yet.
+        """Creates it without pictures.
 
         Args:
             most_bytes: Bytes of all pictures that are kept.

@@ -192,7 +192,7 @@ def study_body(example: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def install_openapi(api: FastAPI, *, tokens_needed: bool) -> None:
-    """Makes the application's OpenAPI document complete.
+    """Replaces the application's ``openapi`` by one that returns the complete document.
 
     Args:
         api: With all its routes.

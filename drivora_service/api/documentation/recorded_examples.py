@@ -11,7 +11,7 @@ from importlib.resources import files
 from typing import Any
 
 RECORDED = "recorded:"
-"""Begins what stands for an answer until it is read: the name of its file follows."""
+"""Prefix of what stands for an answer until it is read; the name of its file follows."""
 
 SCENARIO: dict[str, Any] = {
     "version": "1.0",

@@ -66,7 +66,7 @@ class AnswerMemory:
         tokens: TokenFile | None,
         sessions: SessionFile | None = None,
     ) -> None:
-        """Prepares an empty memory.
+        """Creates the middleware around an application, with an empty memory.
 
         Args:
             app: What answers.

@@ -62,7 +62,7 @@ class TokenFile:
         return tuple(self._current().values())
 
     def create(self, name: str, scope: Scope) -> str:
-        """Makes a token and returns its secret, which is not kept.
+        """Adds a new token and returns its secret, which is not kept.
 
         Raises:
             ConfigurationError: The name is taken.

@@ -36,7 +36,7 @@ class BodyLimit:
     def __init__(
         self, app: ASGIApp, *, max_bytes: int, of_paths: Mapping[str, int] = MappingProxyType({})
     ) -> None:
-        """Prepares the limit.
+        """Creates the middleware around an application.
 
         Args:
             app: What answers.

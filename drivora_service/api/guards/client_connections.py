@@ -40,7 +40,7 @@ def raise_descriptor_limit() -> int:
 
 
 class BoundedConnection(H11Protocol):
-    """One connection, with deadlines; one beyond ``most`` is told to come back later.
+    """One connection, with deadlines; one beyond ``most`` gets the answer of an overload.
 
     The server itself would wait for ever for the head of a request, and for a client that takes
     nothing of its answer.
@@ -60,7 +60,7 @@ class BoundedConnection(H11Protocol):
         self._unread = b""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override] # as the base class
-        """Takes a connection."""
+        """Accepts a connection, or refuses it if there are too many."""
         super().connection_made(transport)
         if len(self.connections) > self.most + self.most // 8:
             transport.abort()
@@ -76,7 +76,7 @@ class BoundedConnection(H11Protocol):
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Takes a part of a request; one that begins may have to wait for its turn."""
+        """Reads a part of a request; one that begins may have to wait for its turn."""
         if self._unread:
             self._unread += data
             self.flow.pause_reading()
@@ -114,7 +114,7 @@ class BoundedConnection(H11Protocol):
             self._stop_waiting()
 
     def pause_writing(self) -> None:
-        """Begins to wait for a client that does not read its answer."""
+        """Sets the deadline of a client that does not read its answer."""
         super().pause_writing()
         if self._stall is None:
             self._stall = self.loop.call_later(STALL_SECONDS, self.transport.abort)

@@ -60,7 +60,7 @@ def run_once(
     body: bytes,
     prepare: Callable[[], Work],
 ) -> Response:
-    """Does a request, or repeats the answer of its first time.
+    """Returns the answer of a request: that of its first time, if it was made before.
 
     Args:
         request: The request.

@@ -65,7 +65,7 @@ class SessionFile:
         self._version = _NO_VERSION
 
     def begin(self, token: StoredToken) -> str:
-        """Begins a session and returns its secret, which is not kept.
+        """Adds a new session and returns its secret, which is not kept.
 
         Raises:
             ConfigurationError: The file cannot be read or written.

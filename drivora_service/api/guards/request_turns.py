@@ -1,4 +1,4 @@
-"""Begins the requests of many clients a few at a time, and questions about health first."""
+"""Turns of requests: those of many clients begin a few at a time, those about health first."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Turns:
     """
 
     def __init__(self, most: int = MOST_A_TURN) -> None:
-        """Begins an empty queue.
+        """Creates an empty queue.
 
         Args:
             most: Requests that are begun before others get their turn.
@@ -42,7 +42,7 @@ class Turns:
         self._waiting: deque[Callable[[], None]] = deque()
 
     def begin(self, start: Callable[[], None]) -> None:
-        """Begins a request at once, or later, after those that came before it."""
+        """Calls ``start`` at once, or in a later turn, after the requests that came before."""
         loop = asyncio.get_running_loop()
         if loop is not self._loop:
             self._loop, self._begun = loop, 0

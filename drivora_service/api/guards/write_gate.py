@@ -27,7 +27,7 @@ class WriteGate:
     def __init__(
         self, app: ASGIApp, *, storage_fault: Callable[[], str], stopping: Callable[[], bool]
     ) -> None:
-        """Prepares the gate.
+        """Creates the middleware around an application.
 
         Args:
             app: Application for the requests that pass.
@@ -55,7 +55,7 @@ class WriteGate:
 
     def _refusal(self, path: str) -> str:
         action = path.rpartition(":")[2]
-        # Who signs in wants to look, or to sign out; neither is work.
+        # A user signs in to look at something, or signs out; neither is work.
         if action == "validate" or path == f"{PREFIX}/session":
             return ""
         if self._stopping():

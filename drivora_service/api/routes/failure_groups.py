@@ -195,6 +195,6 @@ def _group(transaction: Transaction, group_id: str) -> FailureGroup:
 
 
 def _person(request: Request, given: str) -> str:
-    """Returns who decides: who says to do so, and the name of the token."""
+    """Returns the name of the user that decides: the given one, and that of the token."""
     token = client_name(request)
     return f"{given} ({token})" if given and token else given or token

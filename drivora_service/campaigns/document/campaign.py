@@ -65,8 +65,8 @@ class Campaign:
         oracles: Oracles whose violations are failures.
         seed: Seed of every random draw of the search.
         workers: Worker processes; ``None``: as many as the installation has.
-        lookahead: Number of candidates that may wait to be told. Results are told this much later
-            than possible, so that the number of workers does not change the search.
+        lookahead: Number of candidates whose results the tester may lack. It receives results this
+            much later than possible, so that the number of workers does not change the search.
     """
 
     name: str

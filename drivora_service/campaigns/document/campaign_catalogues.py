@@ -27,7 +27,7 @@ class Catalogues:
         agents_folder: Path | None = None,
         laws: tuple[LawSource, ...] = (),
     ) -> None:
-        """Prepares; nothing is looked up yet.
+        """Creates the catalogues; nothing is looked up yet.
 
         Args:
             networks: The road networks.

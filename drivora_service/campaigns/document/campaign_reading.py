@@ -348,7 +348,7 @@ def _check_tester(tester: TesterDocument, catalogue: TesterCatalogue) -> Iterato
 
 
 def _searches_laws(name: str, catalogues: Catalogues) -> bool:
-    """Returns whether what a tester is told depends on the traffic laws of the installation."""
+    """Returns whether the results of a tester depend on the traffic laws of the installation."""
     try:
         return catalogues.testers.plugin(name).feedback.name == "lawbreaker"
     except (SearchError, UnknownName):

@@ -20,7 +20,7 @@ class GeneSpaces:
     """Builds the gene spaces of campaigns, and caches the last ones. Thread-safe."""
 
     def __init__(self, catalogues: Catalogues) -> None:
-        """Begins with none.
+        """Creates an empty cache.
 
         Args:
             catalogues: Catalogues for the names in a campaign.

@@ -83,7 +83,7 @@ class CampaignSupervisor:
         explained: Callable[[], bool] = lambda: False,
         on_fatal: Callable[[str], None] = lambda _message: None,
     ) -> None:
-        """Prepares the thread.
+        """Creates the supervisor; :meth:`start` starts its thread.
 
         Args:
             database: Database of the service.
@@ -112,7 +112,7 @@ class CampaignSupervisor:
         )
 
     def start(self) -> None:
-        """Starts the thread, which starts the queued campaigns."""
+        """Starts the thread, which starts a process for each queued campaign."""
         self._thread.start()
 
     @property

@@ -39,7 +39,7 @@ class CommandCampaigns:
         *,
         on_error: Callable[[BaseException], None],
     ) -> None:
-        """Begins with none.
+        """Creates the host, without campaigns.
 
         Args:
             database: Returns the database with the campaigns.

@@ -63,7 +63,7 @@ class CampaignFolder:
     """
 
     def __init__(self, root: Path, campaign_id: str, traces: FailureTraces | None = None) -> None:
-        """Prepares the folder of a campaign.
+        """Creates the access to the folder, which :meth:`make` creates.
 
         Args:
             root: Folder of all campaigns.
@@ -75,7 +75,7 @@ class CampaignFolder:
         self._traces = CampaignTraces(root) if traces is None else traces
 
     def make(self) -> None:
-        """Makes the folder, so that a campaign does not fail for want of it hours later.
+        """Creates the folder, so that a campaign does not fail for want of it hours later.
 
         Raises:
             StoreError: It cannot be made.

@@ -75,7 +75,7 @@ class MemoryJournal:
     """A journal in memory, for studies and tests."""
 
     def __init__(self, evaluations: Sequence[EvaluationRecord] = ()) -> None:
-        """Begins with known evaluations, without their documents."""
+        """Creates a journal of known evaluations, without their documents."""
         self._evaluations = list(evaluations)
         self._documents: dict[int, str] = {}
         self._failures = [failure for record in evaluations for failure in failures_of(record)]
@@ -115,7 +115,7 @@ class MemoryJournal:
         return tuple(self._failures)
 
     def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
-        """Keeps whether an identical run repeated the failures of an evaluation."""
+        """Stores whether an identical run repeated the failures of an evaluation."""
         self._failures = [
             replace(failure, confirmation=confirmation, trace=trace)
             if failure.evaluation == number
@@ -124,7 +124,7 @@ class MemoryJournal:
         ]
 
     def group(self, groups: Mapping[tuple[int, int], int]) -> None:
-        """Keeps the groups of failures."""
+        """Sets the groups of all failures, those that are not in ``groups`` to none."""
         self._failures = [
             replace(failure, group=groups.get((failure.evaluation, failure.place)))
             for failure in self._failures

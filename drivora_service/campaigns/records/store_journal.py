@@ -30,8 +30,8 @@ _LOOK_S = 0.5
 class StoreJournal:
     """Writes the evaluations, several in a transaction, and measures the campaign's work time.
 
-    A kill loses the running simulations and what was told within at most the last two seconds,
-    which a resumed campaign does again.
+    A kill loses the running simulations and the evaluations of the last two seconds at most, which
+    a resumed campaign does again.
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class StoreJournal:
         claim: str = "",
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Begins with what is stored.
+        """Creates the journal of a stored campaign; nothing is read yet.
 
         Args:
             database: Holds the campaign.

@@ -110,12 +110,12 @@ class Engine:
         requested: Callable[[], CampaignRequest] = lambda: CampaignRequest.NONE,
         on_told: Callable[[Told], None] = lambda _told: None,
     ) -> None:
-        """Prepares the loop.
+        """Creates the engine; :meth:`run` runs the campaign.
 
         Args:
             search: The campaign.
             evaluator: Must have no other user meanwhile.
-            journal: Record of the campaign; its evaluations are told again first.
+            journal: Record of the campaign; the testers first receive its evaluations again.
             requested: Returns a pending request to stop.
             on_told: Called after each told evaluation.
         """
@@ -177,7 +177,7 @@ class Engine:
                     stored=next(self._stored, None),
                 )
                 self._next += 1
-                # Whether it is valid is found by the worker, and counts once it is told.
+                # Whether it is valid is found by the worker, and counts with its evaluation.
                 self._valid += 1
                 if waiting.stored is None:
                     new.append((waiting.number, self._spec(waiting)))

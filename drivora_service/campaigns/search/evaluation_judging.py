@@ -1,4 +1,4 @@
-"""From the report of a run to the evaluation that a tester is told."""
+"""From the report of a run to the evaluation that a tester receives."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def violations_of(report: RunReport, oracles: Collection[str]) -> tuple[Verdict,
 
 
 def evaluation_of(record: EvaluationRecord) -> Evaluation:
-    """Returns the evaluation that a tester is told."""
+    """Returns the evaluation that a tester receives."""
     judged = record.status is EvaluationStatus.JUDGED
     return Evaluation(
         number=record.number,

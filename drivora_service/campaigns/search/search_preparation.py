@@ -38,7 +38,7 @@ class ShuffledFeedback:
     """Tells a tester, for each candidate, the results of one of the candidates judged so far.
 
     It is drawn uniformly, the candidate itself included, so that the tester sees results that are
-    distributed as its own. Whether a candidate is valid is told truly, and so is which of its genes
+    distributed as its own. Whether a candidate is valid is not changed, nor which of its genes
     had no effect: mutants are drawn again as with feedback, so that the twin differs in nothing but
     the feedback.
     """
@@ -145,7 +145,7 @@ def _tester(
     place: int,
     checkpoints: Checkpoints | None,
 ) -> Tester:
-    """Makes the tester of the seed scenario at a place."""
+    """Returns the tester of the seed scenario at a place."""
     campaign, choice = valid.campaign, valid.campaign.tester
     context = TesterContext(
         space=space.genes,

@@ -62,7 +62,7 @@ class Turn:
     """
 
     def __init__(self, part: SearchPart, place: int) -> None:
-        """Begins with nothing asked."""
+        """Creates the record of a part of which nothing was asked yet."""
         self.part, self.place = part, place
         self.valid = 0
         self.is_dry = False
@@ -106,11 +106,11 @@ class Turns:
     """Chooses whose turn it is; a function of what was asked and told."""
 
     def __init__(self, parts: Sequence[SearchPart]) -> None:
-        """Begins with nothing asked."""
+        """Creates the choice among parts of which nothing was asked yet."""
         self._turns = tuple(Turn(part, place) for place, part in enumerate(parts))
 
     def begin(self) -> None:
-        """Notes that a tester has been told something, and may have more to propose."""
+        """Records that testers have received results, and may have more to propose."""
         for turn in self._turns:
             turn.is_dry = False
 

@@ -21,7 +21,7 @@ class CampaignDisplay:
     """A progress bar and a line of counts below it."""
 
     def __init__(self, budget: int) -> None:
-        """Begins with no simulation."""
+        """Creates the display of a campaign without simulations."""
         self._bar = Progress(
             BarColumn(bar_width=30),
             TextColumn("{task.completed}/{task.total} simulations"),

@@ -73,7 +73,7 @@ def export(
 
 
 def _check_agent(client: Client, agent: str) -> None:
-    """Makes sure that an agent is known, or has driven a run.
+    """Checks that an agent is known, or has driven a run.
 
     Raises:
         UnknownName: It is not.

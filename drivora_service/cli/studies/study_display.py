@@ -23,7 +23,7 @@ class StudyDisplay:
     """A progress bar of all simulations, and a line of counts below it."""
 
     def __init__(self, study: Study) -> None:
-        """Begins with the simulations of before."""
+        """Creates the display of a study with the simulations that it has already."""
         self._bar = Progress(
             BarColumn(bar_width=30),
             TextColumn("{task.completed}/{task.total} simulations"),

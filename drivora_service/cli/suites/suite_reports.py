@@ -43,7 +43,7 @@ class ReportFiles:
     pictures: int = 0
 
     def check(self) -> None:
-        """Makes sure, before the work, that every file can be written.
+        """Checks, before the work, that every file can be written.
 
         Raises:
             ConfigurationError: One cannot.

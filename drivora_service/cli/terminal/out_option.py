@@ -12,7 +12,7 @@ from drivora_service.errors import ConfigurationError
 
 
 def check_folder(out: Path | None) -> None:
-    """Makes a folder for results, if one is wanted.
+    """Creates a folder for results, if one is wanted.
 
     Raises:
         ConfigurationError: It cannot be made or written to.
@@ -26,7 +26,7 @@ def check_folder(out: Path | None) -> None:
 
 
 def check_file(out: Path | None) -> None:
-    """Makes the folder of a file for a result, if one is wanted.
+    """Creates the folder of a file for a result, if one is wanted.
 
     Raises:
         ConfigurationError: The file cannot be written.

@@ -26,7 +26,7 @@ def keep_files_private() -> None:
 
 @contextmanager
 def private_files() -> Iterator[None]:
-    """Makes files private as long as it is open; children that are started meanwhile keep to it."""
+    """Makes files private while it is open, also for children that are started meanwhile."""
     before = os.umask(_PRIVATE)
     token = _user_umask.set(before)
     try:

@@ -96,14 +96,14 @@ def decide_group(
     Args:
         group_id: Id of the group.
         status: What is decided about it.
-        label: Its name; "": it is told by its names.
-        assignee: Who takes care of it; "": nobody.
+        label: Its name; "": its names stand for it.
+        assignee: User that takes care of it; "": unassigned.
         note: A note.
-        by: Who decides.
+        by: Name of the user that decides.
         revision: That of the group as it was seen; ``None``: whatever it is.
 
     Raises:
-        RequestConflict: Somebody has changed the group since it was seen.
+        RequestConflict: The group was changed after it was seen.
     """
     from drivora_service.api.schemas.failure_groups import FailureGroup
 
@@ -135,14 +135,14 @@ def split_group(
     label: str = "",
     by: str = "",
 ) -> Call[FailureGroup]:
-    """Makes a group of a part of another one, and returns the new group.
+    """Creates a group of a part of another one, and returns the new group.
 
     Args:
         group_id: Id of the group.
         failures: Ids of failures in it; those found later are not among them.
         names: Names of the group whose failures are split off, also those found later.
         label: Name of the new group.
-        by: Who decides.
+        by: Name of the user that decides.
     """
     from drivora_service.api.schemas.failure_groups import FailureGroup
 

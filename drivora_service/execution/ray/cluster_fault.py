@@ -11,10 +11,10 @@ _NO_NODE_S = 10.0
 
 
 class ClusterFault:
-    """Tells whether a connected cluster can start workers, from the lists of its nodes."""
+    """Finds out whether a connected cluster can start workers, from the lists of its nodes."""
 
     def __init__(self, address: str) -> None:
-        """Begins with no fault.
+        """Creates the judge of a cluster, without a fault.
 
         Args:
             address: Address of the cluster, for messages.

@@ -27,7 +27,7 @@ class Node:
     """
 
     def __init__(self, name: str, slots: int, setup: NodeSetup) -> None:
-        """Starts the slots.
+        """Starts the slots; does not wait until their workers are ready.
 
         Args:
             name: Name of the node, which the names of its slots begin with.

@@ -31,7 +31,7 @@ and the executors of several services may share it."""
 
 
 class NodeLink:
-    """Starts the slots of a node, passes orders on to it and its news back, until it is lost.
+    """The connection with the slots of a node: passes orders to it and its news back.
 
     Attributes:
         is_lost: Whether the node, or its actor, is gone.
@@ -48,7 +48,7 @@ class NodeLink:
         *,
         send: Callable[[FromCluster], None],
     ) -> None:
-        """Begins to start the slots; does not wait for them.
+        """Asks the node to start the slots; does not wait for them.
 
         Args:
             name: Name of the node.
@@ -113,7 +113,7 @@ class NodeLink:
             self._lose(error)
 
     def lose(self, reason: str) -> None:
-        """Takes the node for lost."""
+        """Marks the node as lost and sends why, unless it is lost already."""
         self._lose(RuntimeError(reason))
 
     def _lose(self, error: Exception) -> None:

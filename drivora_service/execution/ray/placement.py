@@ -69,7 +69,7 @@ class Placement:
     """
 
     def __init__(self) -> None:
-        """Begins without nodes."""
+        """Creates a placement without nodes and runs."""
         self.is_held = False
         self._nodes: dict[str, _Node] = {}
         self._waiting: deque[RunSpec] = deque()

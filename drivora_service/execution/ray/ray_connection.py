@@ -40,7 +40,7 @@ class Connected:
     """
 
     def __init__(self, setup: ClusterSetup) -> None:
-        """Starts the process; does not wait until it is connected.
+        """Starts the process that connects with the cluster; does not wait until it is connected.
 
         Raises:
             OSError: The system gives no process.

@@ -161,7 +161,7 @@ class _Driver:
                 if orders is None:
                     break
                 for name, one in orders.items():
-                    # Without a link the node was lost, which the executor knows or is told.
+                    # Without a link the node was lost, which the executor knows or learns soon.
                     if (link := self._links.get(name)) is not None:
                         link.give(one)
         except (EOFError, OSError):

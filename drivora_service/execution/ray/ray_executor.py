@@ -65,7 +65,7 @@ class RayExecutor:
         warm_up: str = WARM_UP,
         prepare: str = PREPARE,
     ) -> None:
-        """Begins to connect with the cluster; does not wait until it has nodes.
+        """Starts to connect with the cluster; does not wait until it has nodes.
 
         Args:
             address: Address of the cluster, HOST:PORT, or ``auto`` for that of this machine.

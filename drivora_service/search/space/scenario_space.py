@@ -53,7 +53,7 @@ class ScenarioSpace:
     """
 
     def __init__(self, seed: Scenario, network: RoadNetwork, options: SpaceOptions) -> None:
-        """Prepares the space.
+        """Creates the space of genes around a seed scenario.
 
         Raises:
             SearchError: The options contradict one another or the seed, or there is no place

@@ -39,7 +39,7 @@ class ScenarioCandidates:
         agents: Collection[str],
         motions: PlannedMotions,
     ) -> None:
-        """Prepares the candidates.
+        """Creates the decoder of candidates.
 
         Args:
             space: Decodes values.

@@ -8,7 +8,7 @@ from drivora_service.search.tester import Evaluation, Proposal
 from drivora_service.search.testers.turn import Turn
 
 Script = Generator[tuple[Proposal, ...], tuple[Evaluation, ...], None]
-"""Yields proposals and receives their evaluations, in the same order, once all are told."""
+"""Yields proposals and receives their evaluations, in the same order, once there are all."""
 
 
 class ScriptedTester:
@@ -19,7 +19,7 @@ class ScriptedTester:
     """
 
     def __init__(self, script: Script) -> None:
-        """Takes a script that has not been started."""
+        """Creates a tester of a script that has not been started."""
         self._script = script
         self._turn = Turn()
         self._proposals: tuple[Proposal, ...] = ()
@@ -29,7 +29,7 @@ class ScriptedTester:
         self._ended = False
 
     def ask(self, room: int) -> tuple[Proposal, ...]:
-        """Proposes the rest of the generation, or the next one once all are told."""
+        """Proposes the rest of the generation, or the next one once all are evaluated."""
         while len(self._told) == len(self._proposals) and not self._ended:
             self._go_on()
         proposals = self._proposals[self._asked : self._asked + max(room, 0)]
@@ -37,7 +37,7 @@ class ScriptedTester:
         return self._turn.propose(proposals, room)
 
     def tell(self, evaluation: Evaluation) -> None:
-        """Takes the next evaluation."""
+        """Keeps the next evaluation for the script, which gets a generation at once."""
         self._turn.take(evaluation)
         self._told.append(evaluation)
 

@@ -9,7 +9,7 @@ from drivora_service.search.tester import Evaluation, Proposal
 
 
 class Turn:
-    """Numbers the proposals of a tester, and checks that they are told in that order.
+    """Numbers the proposals of a tester, and checks that evaluations come in that order.
 
     Testers hold one, so that a wrong order is an error and not a wrong result.
     """
@@ -20,7 +20,7 @@ class Turn:
 
     @property
     def waiting(self) -> int:
-        """Number of proposals that have not been told."""
+        """Number of proposals without an evaluation."""
         return len(self._open)
 
     @property

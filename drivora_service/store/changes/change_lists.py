@@ -36,7 +36,7 @@ class ChangedKind(StrEnum):
     STUDY = "study"
     MINIMIZATION = "minimization"
     GROUP = "group"
-    """A group of failures about which somebody has decided something."""
+    """A group of failures with a decision of a user."""
     SUITE = "suite"
     """A run of a suite."""
 

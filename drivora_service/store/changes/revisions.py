@@ -103,7 +103,7 @@ def is_known(session: Session, position: Position) -> bool:
 
 
 def begin_epoch(session: Session) -> None:
-    """Begins the epoch of a process that starts; the count goes on."""
+    """Inserts the epoch of a process that starts, at the present count, and deletes old ones."""
     newest = latest_position(session)
     row = EpochRow(id=new_epoch(), last=newest.revision)
     session.add(row)

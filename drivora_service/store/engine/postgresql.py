@@ -90,7 +90,7 @@ def reading_options() -> dict[str, Any]:
 
 
 def lock_writing(session: Session) -> None:
-    """Makes other transactions that write wait until this one has ended.
+    """Locks out other transactions that write until this one has ended.
 
     It must be the first statement: the later ones then see all that those before have committed.
     Revisions are thereby counted in the order of the commits, see ``store.changes.revisions``.

@@ -11,7 +11,7 @@ from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from drivora_service.errors import StoreError, StoreUnavailable
 
 _PASSING_STATES = ("25006", "25P03", "25P04", "53", "57")
-"""Begins of the SQLSTATEs of PostgreSQL that pass, of errors that are not called operational: a
+"""Prefixes of the SQLSTATEs of PostgreSQL that pass, of errors that are not called operational: a
 server that only reads since it is a standby, time limits, resources, and a server that stops."""
 
 

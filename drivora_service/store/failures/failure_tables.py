@@ -52,7 +52,7 @@ class FoundRow(Base):
     oracle: Mapped[str] = mapped_column(String(60))
     group: Mapped[str] = mapped_column("group_name", String(400))
     group_seq: Mapped[int | None]
-    """The group that somebody has put it into, whatever its name; ``None``: that of its name."""
+    """The group that a user has put it into, whatever its name; ``None``: that of its name."""
     agent: Mapped[str] = mapped_column(String(200))
     town: Mapped[str] = mapped_column(String(100))
     at_fault: Mapped[bool | None]

@@ -41,12 +41,12 @@ class DecisionRepository:
         Args:
             wanted: Id of the group.
             new: The decision.
-            by: Who decides.
+            by: Name of the user that decides.
             revision: That of the group as it was seen; ``None``: whatever it is.
 
         Raises:
             UnknownName: There is no such group.
-            Conflict: Somebody has changed the group since it was seen.
+            Conflict: The group was changed after it was seen.
         """
         known = find_row(self._session, wanted)
         now_at = known.revision if known else 0
@@ -103,14 +103,14 @@ class DecisionRepository:
         label: str = "",
         by: str = "",
     ) -> str:
-        """Makes a group of a part of another one; returns the new group's id.
+        """Creates a group of a part of another one; returns the new group's id.
 
         Args:
             wanted: Id of the group.
             failures: Ids of failures in it; those found later are not among them.
             names: Names of the group whose failures are split off, also those found later.
             label: Name of the new group.
-            by: Who decides.
+            by: Name of the user that decides.
 
         Raises:
             UnknownName: There is no such group, failure or name.

@@ -1,6 +1,6 @@
 """Groups of the failures of all campaigns and batches, with what was decided about them.
 
-Counts read an index of their own, name by name; groups that somebody has made of several names, or
+Counts read an index of their own, name by name; groups that users have made of several names, or
 of a part of the failures of one, are put together from these.
 """
 

@@ -18,7 +18,7 @@ class GroupStatus(StrEnum):
     """What people have decided about a group of failures."""
 
     NEW = "new"
-    """Nobody has decided anything."""
+    """No user has decided anything."""
     KNOWN = "known"
     FIXED = "fixed"
     WILL_NOT_FIX = "will_not_fix"
@@ -148,7 +148,7 @@ class GroupChange(Shape):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NewDecision:
-    """What somebody decides about a group; ``None`` leaves a part as it is."""
+    """A user's new decision about a group; ``None`` leaves a part as it is."""
 
     status: GroupStatus | None = None
     label: str | None = None

@@ -11,7 +11,7 @@ from drivora_service.store.engine.base_tables import Base
 
 
 class FailureGroupRow(Base):
-    """A group of failures about which somebody has decided something.
+    """A group of failures about which a user has decided something.
 
     Failures are in the group of their name (``group_name`` in ``found_failures``), unless that name
     is in another group, or they themselves are. A group that was merged into another one keeps its
@@ -36,7 +36,7 @@ class FailureGroupRow(Base):
 
 
 class FailureGroupNameRow(Base):
-    """A name of groups whose failures are in a group of people's making."""
+    """A name of groups whose failures a user has put into another group."""
 
     __tablename__ = "failure_group_names"
 
@@ -47,7 +47,7 @@ class FailureGroupNameRow(Base):
 
 
 class FailureGroupChangeRow(Base):
-    """One thing that somebody has decided about a group."""
+    """One change of a user's decisions about a group."""
 
     __tablename__ = "failure_group_changes"
     __table_args__ = (Index("ix_failure_group_changes_group", "group_seq", "seq"),)

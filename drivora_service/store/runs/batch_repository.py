@@ -40,7 +40,7 @@ class BatchRepository:
         self._session = session
 
     def create(self, *, name: str, priority: Priority, owner_id: str = "") -> Batch:
-        """Makes an empty batch; runs are added with :meth:`JobRepository.submit`.
+        """Creates an empty batch; runs are added with :meth:`JobRepository.submit`.
 
         Args:
             name: Display name.

@@ -42,7 +42,7 @@ class ResultRepository:
         self._session = session
 
     def check(self, wanted: ResultFilter) -> None:
-        """Makes sure that the batches, campaigns and studies of a choice exist.
+        """Checks that the batches, campaigns and studies of a choice exist.
 
         Raises:
             UnknownName: One of them does not.

@@ -13,7 +13,7 @@ from drivora_service.store.engine.base_tables import Base
 class SuiteRunRow(Base):
     """A suite that was run, with the decision of its gate.
 
-    ``body`` is the rest of what was told of it, as JSON.
+    ``body`` is the rest of its record, as JSON.
     """
 
     __tablename__ = "suite_runs"

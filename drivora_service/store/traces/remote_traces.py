@@ -35,7 +35,7 @@ class Storage:
     """A folder of a storage, with copies on this machine."""
 
     def __init__(self, url: str, copies: Path) -> None:
-        """Prepares; nothing is read or written yet.
+        """Creates the access to a folder; nothing is read or written yet.
 
         Args:
             url: Address of the folder, such as ``s3://bucket/drivora``.
@@ -77,7 +77,7 @@ class Storage:
         except FileNotFoundError:
             return self._copies / "none.parquet"
         digest = hashlib.sha256(f"{name} {version}".encode()).hexdigest()
-        # Its name has that of the file, which clients are told.
+        # It ends with the name of the file, which clients see.
         path = self._copies / digest[:32] / name.rpartition("/")[2]
         if path.is_file():
             os.utime(path.parent)

@@ -28,7 +28,7 @@ class RunTraces(Protocol):
         """Returns where a worker writes the trace of an attempt at a run."""
 
     def prepare(self, run_id: str, attempt: int = 1) -> str:
-        """Prepares for the trace of an attempt, and returns its address.
+        """Makes room for the trace of an attempt, and returns its address.
 
         The trace of an earlier attempt is not that of this one, nor is that of a later one touched.
 
@@ -77,7 +77,7 @@ class FailureTraces(Protocol):
         """Removes a trace; returns its size in bytes."""
 
     def take(self, run: str, address: str) -> None:
-        """Makes the trace of a run that of a failure, too; nothing if it was removed meanwhile.
+        """Stores the trace of a run as that of a failure, too, unless it was removed meanwhile.
 
         Args:
             run: Address of the trace of the run.
@@ -101,7 +101,7 @@ class TraceFolder:
         return str(self._file(run_id, attempt).absolute())
 
     def prepare(self, run_id: str, attempt: int = 1) -> str:
-        """Makes the folder of an attempt's trace, and removes those of attempts before it."""
+        """Creates the folder of an attempt's trace, and removes those of attempts before it."""
         file = self._file(run_id, attempt)
         for number in self._attempts(run_id):
             earlier = self._file(run_id, number)

@@ -43,7 +43,7 @@ def make_compared_campaigns(
 ) -> tuple[Compared, ...]:
     """Names the methods and scenarios of campaigns for a comparison.
 
-    A method is named after its tester, with "without feedback" if it was told shuffled results, and
+    A method is named after its tester, with "without feedback" if its results were shuffled, and
     with those of its parameters, components and lookahead in which the campaigns of this tester
     differ. A scenario is named after its town, with the beginning of a hash if there are several of
     one town.

@@ -64,7 +64,7 @@ def survival_curves(
 
     Args:
         figures: Figures of campaigns.
-        agent_of: Returns the name of the agent where agents are told apart.
+        agent_of: Returns the name of the agent where curves are computed for each agent.
 
     Returns:
         The curves by number of kinds, then scenario, agent and method in the order of the figures.

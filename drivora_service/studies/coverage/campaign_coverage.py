@@ -88,7 +88,7 @@ class CoverageCounts:
     def __init__(
         self, networks: NetworkLookup, space_of: Callable[[int], GeneSpace | None]
     ) -> None:
-        """Begins with nothing counted.
+        """Creates counts of 0.
 
         Args:
             networks: Catalogue of the road networks.

@@ -19,7 +19,7 @@ class CoverageMemory:
     """The counts of the last campaigns that were asked for. Thread-safe."""
 
     def __init__(self, most: int = 16, most_at_once: int = 1000) -> None:
-        """Knows none.
+        """Creates an empty memory.
 
         Args:
             most: Campaigns whose counts are kept.

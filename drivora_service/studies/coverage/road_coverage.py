@@ -44,7 +44,7 @@ class RoadCoverage:
     """Collects the places of scenarios on one road network."""
 
     def __init__(self, network: RoadNetwork) -> None:
-        """Begins with nothing covered."""
+        """Creates the record of a network, of which nothing is covered."""
         self._network = network
         lengths = [float(lane.arc[-1]) if lane.drivable else 0.0 for lane in network.lanes]
         self._lengths = np.array(lengths)

@@ -13,7 +13,7 @@ from drivora_service.studies.tables.table_forms import Row, Table
 _PAGE = 500
 _TIME = pa.timestamp("us", tz="UTC")
 OBJECTIVE = "objective."
-"""Begins the names of the columns of objectives."""
+"""Prefix of the names of the columns of objectives."""
 
 
 _EVALUATIONS = (

@@ -53,7 +53,7 @@ class MinimizationRunner:
         explained: Callable[[], bool] = lambda: False,
         on_fatal: Callable[[str], None] = lambda _message: None,
     ) -> None:
-        """Prepares the thread.
+        """Creates the runner; :meth:`wake` starts its thread.
 
         Args:
             database: Returns the database.

@@ -62,7 +62,7 @@ class Work:
     def __init__(
         self, active: ActiveMinimization, checker: Checker, trace_path: Callable[[str], Path]
     ) -> None:
-        """Begins, or begins again, with the reproduction of the failure.
+        """Creates the work, of which the reproduction of the failure is wanted first.
 
         Args:
             active: The minimisation as it is stored.

@@ -51,7 +51,7 @@ class Trial:
 
     @property
     def key(self) -> str:
-        """Identifies it among all trials."""
+        """Name of the trial, unique among all trials of the minimisation."""
         return f"{self.checked.sha256}{self.purpose}"
 
 

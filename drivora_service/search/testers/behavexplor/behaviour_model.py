@@ -69,7 +69,7 @@ class BehaviourModel:
     """
 
     def __init__(self, *, fewest: int, most: int, random: np.random.Generator) -> None:
-        """Starts with an empty archive.
+        """Creates a model with an empty archive.
 
         Args:
             fewest: Least number of clusters to choose from.

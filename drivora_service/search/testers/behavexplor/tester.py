@@ -46,7 +46,7 @@ class Failures(StrEnum):
     """
 
     EVERY = "every"
-    """As in the public code: also every collision, whoever is at fault, and every ego that did not
+    """As in the public code: also every collision, at fault or not, and every ego that did not
     reach its destination."""
     CAMPAIGN = "campaign"
     """The failures of the campaign alone."""
@@ -150,7 +150,7 @@ class BehavexplorTester:
         )
 
     def ask(self, room: int) -> tuple[Proposal, ...]:
-        """Proposes the initial candidates and, once all are told, children of the corpus.
+        """Proposes the initial candidates and, once all are evaluated, children of the corpus.
 
         If the corpus is empty then, candidates are drawn.
         """
@@ -166,7 +166,7 @@ class BehavexplorTester:
         return self._turn.propose(proposals, room)
 
     def tell(self, evaluation: Evaluation) -> None:
-        """Takes the next evaluation."""
+        """Learns from the next evaluation: adds its candidate to the corpus if it deserves it."""
         self._turn.take(evaluation)
         asked = self._open.popleft()
         self._told += 1
@@ -282,7 +282,7 @@ def _read(evaluation: Evaluation) -> _Outcome:
 
 
 def _bars(verdict: Verdict) -> bool:
-    """Returns whether a verdict keeps a run out of the corpus, whoever is at fault."""
+    """Returns whether a verdict keeps a run out of the corpus, at fault or not."""
     return verdict.outcome is Outcome.VIOLATED and (
         verdict.oracle == "collision"
         # An ego that came too late has reached its destination.

@@ -31,7 +31,7 @@ class Learner:
     """
 
     def __init__(self, parameters: DeepcollisionParameters, seed: int) -> None:
-        """Makes a network with random weights."""
+        """Creates a network with random weights, which ``seed`` determines."""
         import gymnasium
         import torch
         from gymnasium import spaces
@@ -39,7 +39,7 @@ class Learner:
         from stable_baselines3.common.logger import Logger
 
         class Spaces(gymnasium.Env[Any, Any]):  # type: ignore[misc]  # untyped where missing
-            """Tells the spaces; it is never stepped."""
+            """Names the spaces of observations and actions; it is never stepped."""
 
             observation_space = spaces.Box(-1.0, 1.0, (OBSERVATION_SIZE,), np.float32)
             action_space = spaces.Discrete(len(ACTIONS))

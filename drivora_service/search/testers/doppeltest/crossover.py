@@ -17,10 +17,10 @@ _ALL_LIGHTS = 0.1
 
 
 class DoppelTestCrossover:
-    """Makes one child of two parents."""
+    """Operator that combines two parents into one child."""
 
     def __init__(self, *, chromosome: Chromosome, parameters: DoppelTestParameters) -> None:
-        """Takes the shares of the sections.
+        """Creates the operator.
 
         Args:
             chromosome: The sections.

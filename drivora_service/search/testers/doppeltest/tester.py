@@ -56,7 +56,7 @@ class DoppelTest:
     def __init__(
         self, context: TesterContext, parameters: DoppelTestParameters, components: Components
     ) -> None:
-        """Prepares the operators.
+        """Creates the tester with its operators.
 
         Raises:
             SearchError: The method cannot search the space, or rates exceed 1 together.
@@ -100,7 +100,7 @@ class DoppelTest:
         return Proposal(values=values, origin="initial", generation=generation)
 
     def _child(self, generation: int) -> Proposal:
-        """Makes a child by crossover or by mutation, never by both, that differs from all before.
+        """Returns a child by crossover or by mutation, never by both, that differs from all before.
 
         A population of similar members has few different children: as a last resort, the child of
         a crossover is mutated, too.

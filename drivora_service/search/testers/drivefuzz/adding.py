@@ -56,7 +56,7 @@ class Adding:
         chances: tuple[float, float],
         tries: int,
     ) -> None:
-        """Prepares the mutation.
+        """Creates the mutation.
 
         Args:
             space: The genes.

@@ -29,7 +29,7 @@ class Archive:
     """Keeps, for each uncovered sub-violation, the scenario nearest to it."""
 
     def __init__(self, laws: Collection[str]) -> None:
-        """Begins empty.
+        """Creates an empty archive.
 
         Args:
             laws: Laws whose sub-violations count; none: all.

@@ -24,7 +24,7 @@ class Encoding:
     """
 
     def __init__(self, space: GeneSpace) -> None:
-        """Prepares the encoding of a space."""
+        """Creates the encoding of a space."""
         self._magnitudes = np.flatnonzero(space.varies & ~space.is_category)
         self._lows = space.lows[self._magnitudes]
         self._ranges = space.highs[self._magnitudes] - self._lows

@@ -38,7 +38,7 @@ class Surrogate(Protocol):
 
 
 Fit = Callable[[FloatArray, FloatArray], Surrogate]
-"""Makes a model from features (n, e) and objectives (n, m)."""
+"""Returns a model fitted to features (n, e) and objectives (n, m)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -38,7 +38,7 @@ class AdaptiveRandom:
     """
 
     def __init__(self, space: GeneSpace, *, pool: int) -> None:
-        """Takes the space and the number of draws a candidate."""
+        """Creates the initialisation of a space, with ``pool`` draws for each candidate."""
         self._space = space
         self._pool = pool
         self._given: FloatArray = np.empty((0, len(space)))
@@ -57,7 +57,7 @@ class AdaptiveRandom:
 class SamotaSearch:
     """Adaptive random initialisation, then global and local search in turns.
 
-    Each of these phases proposes all its candidates at once and waits until they are told.
+    Each of these phases proposes all its candidates at once and waits for their evaluations.
 
     Attributes:
         database: All judged candidates.
@@ -67,7 +67,7 @@ class SamotaSearch:
     def __init__(
         self, context: TesterContext, parameters: SamotaParameters, components: Components
     ) -> None:
-        """Prepares the search."""
+        """Creates the search, with empty database and archive."""
         self._space = context.space
         self._random = context.random
         self._parameters = parameters
