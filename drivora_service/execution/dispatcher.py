@@ -79,6 +79,7 @@ class Dispatcher:
         # All down to _to_cancel belongs to the dispatcher's thread and needs no lock; wake() only
         # ends the interval of looks. None of it is stored: after a kill, the open leases in the
         # database say what was in flight, and runs whose ends were not written are simulated again.
+
         # The number of the attempt, by the id of its run.
         self._in_flight: dict[str, int] = {}
         self._claimed: deque[RunSpec] = deque()

@@ -41,7 +41,9 @@ _GRACE_S = 3.0
 _KILL_S = 3.0
 """Seconds after which the keeper stops waiting for the end of a killed process."""
 _PAUSE_S = 0.002
+"""Seconds between two looks for processes that are still there."""
 _MOST_NAMES = 20
+"""Names of processes in an answer to the slot, which writes them into a line of the log."""
 
 
 class HandedFile:
@@ -171,7 +173,7 @@ class _Keeper:
                 return self._exit_code
             for file, _ in poll.poll():
                 if file == self._woken:
-                    # All bytes at once: one round reaps all children that have ended.
+                    # All bytes at once, as one round reaps all children that have ended.
                     with contextlib.suppress(BlockingIOError):
                         os.read(self._woken, 65536)
                 elif not self._execute_command():

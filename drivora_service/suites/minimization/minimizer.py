@@ -119,9 +119,9 @@ class Minimizer:
             raise ValueError("the document cannot be run here")
         self._check, self._reductions, self._budget = check, reductions, budget
         self._first = Trial(checked=checked, label="as it was", purpose=Purpose.REPRODUCE)
-        # Results by trial; they may come ahead of the search, in any order. What the search has
-        # needed in its own order counts against the budget, each trial once. Documents that were
-        # the smallest are not taken again, so that the search ends.
+        # Results may come ahead of the search, in any order. A trial counts against the budget when
+        # the search needs it in its own order, and once only. Documents that were the smallest are
+        # visited, and not taken again: the search ends.
         self._results: dict[str, TrialResult] = {}
         self._counted: set[str] = set()
         self._visited: set[str] = set()
