@@ -88,7 +88,7 @@ class KeptWorker:
         self._looked_at = 0.0
         self.board = BoardReader()
         # One connection with the worker and another one with its keeper: code under test can write
-        # to the first, so how the worker ended is told on the second.
+        # to the first, so the keeper reports on the second how the worker ended.
         channel, theirs = socket.socketpair()
         control, keepers = socket.socketpair()
         self._channel, self._control = Channel(channel), Channel(control)

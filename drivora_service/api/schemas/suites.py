@@ -11,7 +11,7 @@ from drivora_service.shapes import Shape
 from drivora_service.store.suites.suite_records import SuiteDecision, SuiteOutcome, SuiteSummary
 
 MOST_SCENARIOS = 20_000
-"""Of a suite that is told."""
+"""Of a suite of which a run is posted."""
 _LONGEST_NAME = 200
 
 
