@@ -15,7 +15,7 @@ from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
 from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.store.database import Database, database_file
-from drivora_service.store.runs.run_records import Priority
+from drivora_service.store.runs.run_records import Priority, RunOptions
 from tests.store.samples import claim, ended, finish, finished, new_run, register
 from tests.studies.computed_study import campaign_content, opened
 from tests.studies.example_study import run_computed, stored, study_content
@@ -60,7 +60,9 @@ def result_world(folder: Path, catalogues: Catalogues) -> Iterator[World]:
         owner = register(database)
         batch = _batch(database, owner)
         with database.write() as transaction:
-            (single,) = transaction.jobs.submit([new_run('{"seed":4}', seed_override=77)])
+            (single,) = transaction.jobs.submit(
+                [new_run('{"seed":4}', options=RunOptions(seed_override=77))]
+            )
         claim(database, owner, 1)
         finish(database, owner, finished(single, "collision", faults=(False,)))
         local = study.run(campaign_content()).id

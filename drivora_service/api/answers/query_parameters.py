@@ -16,7 +16,7 @@ from drivora_service.oracles.verdicts.accountability import Accountability
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.scenario.agent_parameters import read_agent_parameter
 from drivora_service.store.runs.result_records import ResultFilter
-from drivora_service.store.runs.run_records import LONGEST_LABEL, JobFilter
+from drivora_service.store.runs.run_records import LONGEST_LABEL, JobFilter, RunOptions
 
 _SEED_MAX = 2**31 - 1
 
@@ -53,7 +53,8 @@ async def _overrides(
     ] = None,
 ) -> Overrides:
     parameters = tuple(read_agent_parameter(text) for text in agent_parameter or ())
-    return Overrides(agent=agent, parameters=parameters, seed=seed)
+    options = RunOptions(agent_override=agent, seed_override=seed)
+    return Overrides(options=options, parameters=parameters)
 
 
 RunOverrides = Annotated[Overrides, Depends(_overrides)]

@@ -12,7 +12,7 @@ from drivora_service.api.context import ApiContext
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.agent_parameters import AgentParameter, with_agent_parameters
 from drivora_service.scenario.canonical import canonical_json
-from drivora_service.store.runs.run_records import NewRun
+from drivora_service.store.runs.run_records import NewRun, RunOptions
 
 if TYPE_CHECKING:
     from drivora_service.scenario.validation import ValidScenario
@@ -23,14 +23,17 @@ class Overrides:
     """The values of a request that override those of its documents.
 
     Attributes:
-        agent: Drives every ego; "": as documented.
-        parameters: Parameters of the agents.
-        seed: Seeds the run; ``None``: as documented.
+        options: Options of its runs.
+        parameters: Parameters of the agents; they become part of the scenarios.
     """
 
-    agent: str = ""
+    options: RunOptions
     parameters: tuple[AgentParameter, ...] = ()
-    seed: int | None = None
+
+    @property
+    def agent(self) -> str:
+        """The agent that drives every ego; "": as documented."""
+        return self.options.agent_override
 
 
 class Checker:
@@ -77,7 +80,7 @@ def check_overrides(context: ApiContext, overrides: Overrides) -> None:
         raise InvalidDocument((Problem(pointer="", code="agent_not_installed", message=message),))
 
 
-def new_run(valid: ValidScenario, overrides: Overrides, *, item: int, label: str) -> NewRun:
+def new_run(valid: ValidScenario, options: RunOptions, *, item: int, label: str) -> NewRun:
     """Returns the run of a scenario that can be run."""
     scenario = valid.scenario
     document = canonical_json(scenario)
@@ -86,9 +89,8 @@ def new_run(valid: ValidScenario, overrides: Overrides, *, item: int, label: str
         document=document,
         scenario_sha256=hashlib.sha256(document.encode()).hexdigest(),
         town=scenario.map_region.town,
-        agent=overrides.agent or ",".join(names),
-        agent_override=overrides.agent,
-        seed_override=overrides.seed,
+        agent=options.agent_override or ",".join(names),
+        options=options,
         label=label,
         item=item,
     )

@@ -219,8 +219,10 @@ def _check_documents(
         try:
             scenario = read_batch_scenario(document)
             valid = scenario.check_document(checker.validate)
-            own = overrides if scenario.seed is None else replace(overrides, seed=scenario.seed)
-            runs.append(new_run(valid, own, item=item, label=scenario.label))
+            options = overrides.options
+            if scenario.seed is not None:
+                options = replace(options, seed_override=scenario.seed)
+            runs.append(new_run(valid, options, item=item, label=scenario.label))
             checked.notes[item] = valid.notes
             continue
         except InvalidDocument as error:

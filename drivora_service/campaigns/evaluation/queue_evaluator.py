@@ -14,7 +14,7 @@ from drivora_service.runs.run_report import RunReport, RunSpec
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.store.campaigns.campaign_records import CampaignRecord
 from drivora_service.store.database import Database
-from drivora_service.store.runs.run_records import NewRun
+from drivora_service.store.runs.run_records import NewRun, RunOptions
 from drivora_service.store.traces.stored_traces import last_attempt
 from drivora_service.store.traces.trace_places import TracePlaces
 
@@ -111,8 +111,7 @@ class QueueEvaluator:
             scenario_sha256=hashlib.sha256(document.encode()).hexdigest(),
             town=_town_of(document) if self._has_several_seeds else self._campaign.town,
             agent=self._campaign.agent,
-            agent_override=spec.agent,
-            seed_override=spec.seed,
+            options=RunOptions(agent_override=spec.agent, seed_override=spec.seed),
             label=f"{self._campaign.name[:150]} #{number}",
             item=number,
             feedback=spec.feedback,

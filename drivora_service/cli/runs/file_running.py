@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Unpack
 
 from drivora_service.api.schemas.batches import BatchItem, ItemResult
 from drivora_service.cli.runs.run_output import ScenarioResult
@@ -15,6 +16,7 @@ from drivora_service.cli.terminal.out_option import write_result
 from drivora_service.cli.terminal.output import note
 from drivora_service.cli.terminal.private_files import give_to_user
 from drivora_service.client import Client
+from drivora_service.client.calls.jobs import PostOptions
 from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
 from drivora_service.scenario.documents import document_text
 from drivora_service.store.runs.run_records import Priority
@@ -29,9 +31,6 @@ def run_files(
     client: Client,
     files: Sequence[ScenarioFile],
     *,
-    agent: str,
-    agent_parameters: Sequence[str],
-    seed: int | None,
     out: Path | None,
     where: str,
     on_result: Callable[[ScenarioResult], None],
@@ -39,23 +38,22 @@ def run_files(
     batch_name: str = RUN_BATCH,
     priority: Priority = Priority.INTERACTIVE,
     on_posted: Callable[[str], None] = lambda _batch_id: None,
+    **options: Unpack[PostOptions],
 ) -> list[ScenarioResult]:
     """Runs scenarios as one batch and returns their results in the order of the files.
 
     Args:
         client: Client of the application or service that runs them.
         files: The scenarios.
-        agent: Agent of every ego; "": as documented.
-        agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
-        seed: Overrides the documents'.
         out: Folder for the traces and reports, each written when its run has ended; ``None``: they
             are not written.
         where: Options with which other commands find the runs.
         on_result: Called with each result, in any order.
-        seeds: Seed of each file's run in place of ``seed``; ``None``: none has its own.
+        seeds: Seed of each file's run in place of the options'; ``None``: none has its own.
         batch_name: Display name of the batch.
         priority: Priority of the runs.
         on_posted: Called with the id of the batch once it is queued.
+        options: As :meth:`Client.post_batch` takes them.
 
     Raises:
         ConfigurationError: The agent or one of its parameters cannot be used.
@@ -76,9 +74,7 @@ def run_files(
             seeds=seeds,
             name=batch_name,
             priority=priority,
-            agent=agent,
-            agent_parameters=agent_parameters,
-            seed=seed,
+            **options,
         )
     except InvalidDocument as error:
         if all(not problem.pointer for problem in error.problems):

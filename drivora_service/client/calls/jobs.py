@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 from drivora_service.api_paths import PREFIX
 from drivora_service.client.call import (
@@ -28,6 +28,14 @@ if TYPE_CHECKING:
     from drivora_service.suites.gate.counted_failures import Counted
     from drivora_service.suites.paired.batch_comparison import BatchComparison
     from drivora_service.suites.paired.failure_rules import Unfinished
+
+
+class PostOptions(TypedDict, total=False):
+    """The options of the runs that :func:`post_job` and :func:`post_batch` queue."""
+
+    agent: str
+    agent_parameters: Sequence[str]
+    seed: int | None
 
 
 def validate_scenario(

@@ -12,14 +12,14 @@ from sqlalchemy.orm import Session
 
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.run_report import RunReport
-from drivora_service.shapes import adapter
+from drivora_service.shapes import adapter, field_names
 from drivora_service.store.campaigns.campaign_tables import CampaignRow, EvaluationRow
 from drivora_service.store.campaigns.evaluation_writing import town_of_seed
 from drivora_service.store.queue.endings import end_values
 from drivora_service.store.runs.facets import make_facet_with_key
 from drivora_service.store.runs.result_conditions import campaign_columns, is_named, seeds_of
 from drivora_service.store.runs.result_records import EvaluationPlace, ResultFilter, StoredResult
-from drivora_service.store.runs.run_records import JobFilter
+from drivora_service.store.runs.run_records import JobFilter, RunSummary
 from drivora_service.store.runs.run_scope import facet_passes
 from drivora_service.store.runs.run_tables import RunRow
 
@@ -73,6 +73,8 @@ def evaluation_results(
             towns[place] = town_of_seed(campaign, row.seed_number)
         short = _without_details(report)
         values = {
+            # What only stored runs have is null.
+            **dict.fromkeys(field_names(RunSummary)),
             **_make_run_columns(short, row.told_at),
             **campaign_columns(campaign, row.number),
             "run_id": f"{campaign.id}-{row.number}",

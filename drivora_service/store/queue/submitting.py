@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session
 from drivora_service.errors import Conflict, QueueFull, UnknownName
 from drivora_service.runs.report_encoding import choice_to_json
 from drivora_service.runs.run_report import RunReport, RunStatus
+from drivora_service.shapes import field_names
 from drivora_service.store.changes.revisions import next_revisions
 from drivora_service.store.engine.ids import new_id
 from drivora_service.store.engine.stored_documents import store_documents
@@ -27,7 +28,7 @@ from drivora_service.store.queue.queued_candidates import source_to_json
 from drivora_service.store.runs.batch_repository import single_jobs
 from drivora_service.store.runs.facet_tables import FacetRow
 from drivora_service.store.runs.facets import Facet, add_counts, facet_key
-from drivora_service.store.runs.run_records import BatchState, NewRun, Priority
+from drivora_service.store.runs.run_records import BatchState, NewRun, Priority, RunOptions
 from drivora_service.store.runs.run_tables import BatchRow, RunRow
 
 _RUNS_A_SECOND = 5
@@ -96,7 +97,8 @@ def _already_over(
 ) -> dict[str, RunReport]:
     """Returns the reports of the runs that are not started, by run id."""
     keys = [
-        quarantine_key(run.scenario_sha256, run.agent_override, run.seed_override) for run in runs
+        quarantine_key(run.scenario_sha256, run.options.agent_override, run.options.seed_override)
+        for run in runs
     ]
     quarantined = QuarantineRepository(session).find(frozenset(keys))
     over: dict[str, RunReport] = {}
@@ -145,8 +147,7 @@ def _store_runs(
                 "document_sha256": run.scenario_sha256,
                 "town": run.town,
                 "agent": run.agent,
-                "agent_override": run.agent_override,
-                "seed_override": run.seed_override,
+                **{name: getattr(run.options, name) for name in field_names(RunOptions)},
                 "feedback": None if run.feedback is None else choice_to_json(run.feedback),
                 "keeps_trace": run.keeps_trace,
                 "candidate": None if run.candidate is None else source_to_json(run.candidate),

@@ -55,6 +55,19 @@ class BatchState(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RunOptions:
+    """The options of a run that are not in its scenario; stored in columns of the same names.
+
+    Attributes:
+        agent_override: Agent name that overrides the document's, or "".
+        seed_override: Seed that overrides the document's.
+    """
+
+    agent_override: str = ""
+    seed_override: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NewRun:
     """A run to be queued, or one that has ended without being started.
 
@@ -64,8 +77,7 @@ class NewRun:
         scenario_sha256: Hash of the document.
         town: Name of the network, for filters.
         agent: Name of the ADS, for filters; several are joined by a comma.
-        agent_override: Agent name that overrides the document's, or "".
-        seed_override: Seed that overrides the document's.
+        options: Options of the client.
         label: Display name, such as the name of its file.
         item: Place in the batch; -1: the place in the call.
         report: Report of a run that is not started, such as ``invalid``; its ``run_id`` is
@@ -80,8 +92,7 @@ class NewRun:
     scenario_sha256: str
     town: str
     agent: str
-    agent_override: str = ""
-    seed_override: int | None = None
+    options: RunOptions = RunOptions()
     label: str = ""
     item: int = -1
     report: RunReport | None = None

@@ -16,20 +16,13 @@ from sqlalchemy.orm import Session
 from drivora_service.errors import UnknownName
 from drivora_service.store.campaigns.campaign_tables import CampaignRow, StudyRow
 from drivora_service.store.campaigns.evaluation_results import evaluation_results
-from drivora_service.store.runs.batch_repository import SINGLE_JOBS
 from drivora_service.store.runs.facet_tables import FacetRow
 from drivora_service.store.runs.result_conditions import campaign_columns, is_named, seeds_of
 from drivora_service.store.runs.result_records import EvaluationPlace, ResultFilter, StoredResult
+from drivora_service.store.runs.run_queries import run_query
 from drivora_service.store.runs.run_records import JobFilter
 from drivora_service.store.runs.run_scope import facet_conditions, has_verdict, run_scope
 from drivora_service.store.runs.run_tables import BatchRow, ReportRow, RunRow
-
-_OWN = (
-    *("item", "town", "agent", "status", "created_at", "started_at", "ended_at", "attempts"),
-    *("violations", "at_fault_violations", "observations", "accountability"),
-    *("steps", "sim_time_s", "wall_time_s"),
-)
-"""Columns that have the same names here and there."""
 
 _AGAIN = "-again"
 """Ends the ids of the runs of a campaign that confirm failures."""
@@ -89,41 +82,31 @@ class ResultRepository:
             with_seeds: Whether to read the scenarios for the seeds that these have.
         """
         rows = self._session.execute(
-            select(
-                *(getattr(RunRow, name) for name in _OWN),
-                RunRow.id,
-                RunRow.label,
-                RunRow.cause,
-                RunRow.document_sha256,
-                RunRow.seed_override,
-                BatchRow.id.label("batch_id"),
-                ReportRow.body.label("report"),
-            )
-            .join(BatchRow, BatchRow.seq == RunRow.batch_seq)
+            run_query()
+            .add_columns(ReportRow.body.label("report"))
             .outerjoin(ReportRow, ReportRow.run_seq == RunRow.seq)
             .where(RunRow.seq.in_(numbers))
             .order_by(RunRow.seq)
         ).all()
         campaigns = self._campaigns_of({row.batch_id for row in rows})
-        hashes = {row.document_sha256 for row in rows} if with_seeds else set()
+        hashes = {row.scenario_sha256 for row in rows} if with_seeds else set()
         seeds = seeds_of(self._session, hashes)
         found = []
         for row in rows:
-            campaign, seed = campaigns.get(row.batch_id), row.seed_override
+            campaign = campaigns.get(row.batch_id)
+            summary = row._asdict()
+            report = summary.pop("report")
             values = {
-                **{name: getattr(row, name) for name in _OWN},
+                **summary,
                 **campaign_columns(campaign, row.item),
                 "run_id": row.id,
                 "source": "run",
-                "label": row.label,
-                "batch_id": None if row.batch_id.startswith(SINGLE_JOBS) else row.batch_id,
                 "confirms": campaign is not None and row.id.endswith(_AGAIN),
-                "cause": row.cause,
-                "scenario_sha256": row.document_sha256,
-                "seed": seeds.get(row.document_sha256) if seed is None else seed,
+                "seed": seeds.get(row.scenario_sha256) if row.seed is None else row.seed,
             }
-            report = {} if row.report is None else from_json(row.report)
-            found.append(StoredResult(values=values, report=report))
+            found.append(
+                StoredResult(values=values, report={} if report is None else from_json(report))
+            )
         return found
 
     def evaluations(

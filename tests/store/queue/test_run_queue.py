@@ -10,7 +10,7 @@ from drivora_service.errors import Conflict, QueueFull
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.queue.quarantine import quarantine_key
-from drivora_service.store.runs.run_records import BatchState, JobFilter, Priority
+from drivora_service.store.runs.run_records import BatchState, JobFilter, Priority, RunOptions
 from drivora_service.store.traces.trace_folders import TraceFolder
 from drivora_service.store.upkeep.store_verification import verify
 from tests.store.samples import (
@@ -133,7 +133,9 @@ def test_a_confirmed_crash_quarantines_the_scenario(database: Database) -> None:
     scenario = new_run("{0}")
     with database.write() as transaction:
         (entry,) = transaction.quarantine.newest()
-        again, other_seed = transaction.jobs.submit([scenario, new_run("{0}", seed_override=5)])
+        again, other_seed = transaction.jobs.submit(
+            [scenario, new_run("{0}", options=RunOptions(seed_override=5))]
+        )
     assert (entry.run_id, entry.signal, entry.log) == (run, "SIGSEGV", "last line")
     assert entry.key == quarantine_key(scenario.scenario_sha256, "", None)
     with database.read() as transaction:
