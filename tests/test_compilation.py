@@ -10,6 +10,13 @@ import pytest
 from drivora_service.compilation import compiled, specialize
 from drivora_service.geometry.array_shapes import FloatArray
 
+RECORD = """
+from typing import NamedTuple
+
+class Pair(NamedTuple):
+    one: float
+    two: float
+"""
 CALLED = """
 from enum import IntEnum
 from drivora_service.compilation import compiled
@@ -36,12 +43,13 @@ CALLING = """
 from drivora_service.compilation import compiled
 from between import twice
 from called import FACTOR, Column
+from record import Pair
 
 _Y = int(Column.Y)
 
 @compiled
-def kernel(x):
-    return _helped(x) + 100.0 * FACTOR + 1000.0 * _Y
+def kernel(x: Pair):
+    return _helped(x.one) + 100.0 * FACTOR + 1000.0 * _Y
 
 @compiled
 def _helped(x):
@@ -49,13 +57,15 @@ def _helped(x):
 
 if __name__ == "__main__":
     import calling
-    print(calling.kernel(1.0), sum(calling.kernel.dispatcher.stats.cache_hits.values()))
+    result = calling.kernel(Pair(one=1.0, two=3.0))
+    print(result, sum(calling.kernel.dispatcher.stats.cache_hits.values()))
 """
 
 
 @pytest.fixture
 def modules(tmp_path: Path) -> Path:
-    for name, text in (("called", CALLED), ("between", BETWEEN), ("calling", CALLING)):
+    texts = {"record": RECORD, "called": CALLED, "between": BETWEEN, "calling": CALLING}
+    for name, text in texts.items():
         (tmp_path / f"{name}.py").write_text(text)
     return tmp_path
 
@@ -71,12 +81,13 @@ def outcome(modules: Path) -> str:
 def test_what_is_kept_of_a_kernel_goes_with_what_it_was_compiled_from(modules: Path) -> None:
     assert outcome(modules) == "1204.0 0"
     assert outcome(modules) == "1204.0 1"
-    for old, new, value in (
-        ("return FACTOR * x", "return 3.0 * x", "1209.0"),
-        ("FACTOR = 2.0", "FACTOR = 4.0", "1409.0"),
-        ("Y = 1", "Y = 2", "2409.0"),
+    for module, old, new, value in (
+        ("called", "return FACTOR * x", "return 3.0 * x", "1209.0"),
+        ("called", "FACTOR = 2.0", "FACTOR = 4.0", "1409.0"),
+        ("called", "Y = 1", "Y = 2", "2409.0"),
+        ("record", "one: float\n    two", "two: float\n    one", "2409.0"),
     ):
-        file = modules / "called.py"
+        file = modules / f"{module}.py"
         file.write_text(file.read_text().replace(old, new))
         assert outcome(modules) == f"{value} 0"
     assert outcome(modules) == "2409.0 1"

@@ -57,6 +57,9 @@ def _parts(names: dict[str, Any], known: frozenset[str]) -> set[str]:
                 parts |= _parts(vars(sys.modules[module]), known | {module})
         elif isinstance(value, type) and issubclass(value, Enum):
             parts.add(f"{name}: {[(member.name, member.value) for member in value]}")
+        elif isinstance(value, type) and issubclass(value, tuple):
+            # Machine code takes the fields of a record by their places.
+            parts.add(f"{name}: {getattr(value, '_fields', ())}")
         elif isinstance(value, _CONSTANTS) and not name.startswith("__"):
             parts.add(f"{name}: {value!r}")
     return parts
