@@ -22,8 +22,16 @@ from drivora_service.errors import SimulatorError
 from drivora_service.geometry.angles import wrap_angle
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.road_network import SignalPhase
+from drivora_service.observations.trace import Col
 from drivora_service.simulation.motion.vehicle_dynamics import GRAVITY
 from drivora_service.simulation.plans.light_programs import RunningProgram
+from drivora_service.simulation.sumo_modes import (
+    CHANGES_LANES,
+    KEEPS_LANE,
+    NO_SPEED_LIMITS,
+    OBEYS_ALL,
+    Placing,
+)
 from drivora_service.system_libraries import explain
 
 try:
@@ -36,11 +44,10 @@ SUMO_ERRORS = (libsumo.TraCIException, libsumo.FatalTraCIError)
 """The errors of libsumo."""
 
 _DRIVER_TYPES = Path(__file__).with_name("driver_types.add.xml")
-_ON_ROUTE = 1
-_ANYWHERE = 2
-"""Places a vehicle at any pose, on a lane open to cars if one is near. With 6, which ignores
-the permissions of lanes, SUMO 1.28 crashed under a walker on a junction with crossings."""
+_ON_ROUTE, _ANYWHERE = int(Placing.ON_ROUTE), int(Placing.ANYWHERE)
 _MOVED_TYPE = "DEFAULT_VEHTYPE"
+_ITS_OWN_SPEED = -1.0
+"""Ends the setting of a vehicle's speed."""
 _REACH = 3.0
 """Metres within which SUMO looks for a lane: the time of a placement grows with it."""
 _NO_REACH = -1.0
@@ -54,11 +61,9 @@ _ARRIVAL_ZONE = 1.0
 """Metres before the end of its route in which SUMO may count a standing vehicle as arrived."""
 _PROGRAM = "drivora"
 """Name of the service's programmes for traffic lights."""
-_OBEYS_ALL = 31
 _IMPATIENT_AFTER = "30"
 _SUBLANE_WIDTH = "0.8"
 """Metres: the middle of the range that SUMO's documentation names for cars."""
-_CHANGES_LANES = 0b011001010101
 
 
 @dataclass(slots=True, eq=False)
@@ -232,8 +237,8 @@ class SumoWorld:
         """Adds a vehicle that will be placed every step; the first placement inserts it."""
         vehicle_type = self._ensure_type(_MOVED_TYPE, length, width, is_walker)
         self._add(actor_id, edges, vehicle_type)
-        libsumo.vehicle.setSpeedMode(actor_id, 0)
-        libsumo.vehicle.setLaneChangeMode(actor_id, 0)
+        libsumo.vehicle.setSpeedMode(actor_id, NO_SPEED_LIMITS)
+        libsumo.vehicle.setLaneChangeMode(actor_id, KEEPS_LANE)
         return MovedActor(
             row, actor_id, 0.5 * length, width, is_walker, follows_route, retry_in=_FREE_STEPS
         )
@@ -251,8 +256,8 @@ class SumoWorld:
             width: Metres.
         """
         self._add(stand_in_id, edges, self._ensure_type(_MOVED_TYPE, length, width, False))
-        libsumo.vehicle.setSpeedMode(stand_in_id, 0)
-        libsumo.vehicle.setLaneChangeMode(stand_in_id, 0)
+        libsumo.vehicle.setSpeedMode(stand_in_id, NO_SPEED_LIMITS)
+        libsumo.vehicle.setLaneChangeMode(stand_in_id, KEEPS_LANE)
         libsumo.vehicle.setSpeed(stand_in_id, 0.0)
 
     def move_stand_in(self, stand_in_id: str, lane: str, position: float) -> None:
@@ -327,10 +332,10 @@ class SumoWorld:
         """Lets SUMO drive a vehicle that was moved until now, from ``speed`` m/s on."""
         driven = self._ensure_type(driver, 2.0 * actor.half_length, actor.width, is_walker=False)
         libsumo.vehicle.setType(actor.id, driven)
-        libsumo.vehicle.setSpeed(actor.id, -1.0)
+        libsumo.vehicle.setSpeed(actor.id, _ITS_OWN_SPEED)
         libsumo.vehicle.setPreviousSpeed(actor.id, speed)
-        libsumo.vehicle.setSpeedMode(actor.id, _OBEYS_ALL)
-        libsumo.vehicle.setLaneChangeMode(actor.id, _CHANGES_LANES)
+        libsumo.vehicle.setSpeedMode(actor.id, OBEYS_ALL)
+        libsumo.vehicle.setLaneChangeMode(actor.id, CHANGES_LANES)
         return DrivenActor(actor.row, actor.id, actor.half_length, actor.width)
 
     def take_back(self, actor: DrivenActor) -> MovedActor:
@@ -338,8 +343,8 @@ class SumoWorld:
 
         It is placed by force once, since it may be in the middle of a lane change.
         """
-        libsumo.vehicle.setSpeedMode(actor.id, 0)
-        libsumo.vehicle.setLaneChangeMode(actor.id, 0)
+        libsumo.vehicle.setSpeedMode(actor.id, NO_SPEED_LIMITS)
+        libsumo.vehicle.setLaneChangeMode(actor.id, KEEPS_LANE)
         return MovedActor(
             actor.row, actor.id, actor.half_length, actor.width, False, False, retry_in=1
         )
@@ -349,9 +354,7 @@ class SumoWorld:
 
         Args:
             actors: Actors to be placed.
-            placements: For every row of the world: x and y of the front bumper in metres, SUMO's
-                angle in degrees, and 1.0 if the pose differs from the one before, else 0.0;
-                negative if it need not be placed there now.
+            placements: For every row of the world, columns ``step_kernels.PlacementCol``.
         """
         move = libsumo.vehicle.moveToXY
         for actor in actors:
@@ -364,7 +367,7 @@ class SumoWorld:
                     actor.held = True
                     continue
             elif actor.held:
-                libsumo.vehicle.setSpeed(actor.id, -1.0)
+                libsumo.vehicle.setSpeed(actor.id, _ITS_OWN_SPEED)
                 actor.held = False
                 moved = 1.0
             if actor.off_lanes:
@@ -379,7 +382,7 @@ class SumoWorld:
                 if actor.stands:
                     continue
             elif actor.stands:
-                libsumo.vehicle.setSpeed(actor.id, -1.0)
+                libsumo.vehicle.setSpeed(actor.id, _ITS_OWN_SPEED)
                 actor.stands = False
             if actor.follows_route and actor.retry_in <= 0:
                 try:
@@ -429,12 +432,12 @@ class SumoWorld:
             cos, sin = math.cos(yaw), math.sin(yaw)
             v = speed_of(name)
             state = states[row]
-            state[0] = front_x - actor.half_length * cos
-            state[1] = front_y - actor.half_length * sin
-            state[2] = yaw
-            state[3] = v * cos
-            state[4] = v * sin
-            state[8] = height
+            state[Col.X] = front_x - actor.half_length * cos
+            state[Col.Y] = front_y - actor.half_length * sin
+            state[Col.YAW] = yaw
+            state[Col.VX] = v * cos
+            state[Col.VY] = v * sin
+            state[Col.Z] = height
             present[row] = True
 
     def count_remaining_edges(self, actor_id: str) -> int:
