@@ -6,6 +6,7 @@ its lane or a neighbouring one, or a path that crosses it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,6 +15,7 @@ import numpy as np
 
 from drivora_service.adversaries.adversary_situation import Situation
 from drivora_service.errors import SearchError
+from drivora_service.geometry import elementary
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.runs.adversary import Action
 from drivora_service.scenario.model import NpcVehicle, Region, Waypoint
@@ -36,7 +38,7 @@ _APPROACH = 12.0
 _PATHS = 24
 _MEETING = 1.6
 """Metres between two lines that meet."""
-_ANGLE = np.cos(np.radians(30.0))
+_ANGLE = math.cos(math.radians(30.0))
 """Cosine of the angle from which on two paths cross."""
 
 
@@ -201,7 +203,8 @@ def _crossings(
 def _first_crossing(route: DrivenPath, path: DrivenPath) -> _Crossing | None:
     gaps = np.hypot(*(route.line[:, None] - path.line[None]).transpose(2, 0, 1))
     here, there = np.nonzero(gaps <= _MEETING)
-    crosses = (np.cos(route.yaw[here] - path.yaw[there]) < _ANGLE) & (path.arc[there] >= _APPROACH)
+    cosines = elementary.cos(route.yaw[here] - path.yaw[there])
+    crosses = (cosines < _ANGLE) & (path.arc[there] >= _APPROACH)
     if not crosses.any():
         return None
     k = int(np.flatnonzero(crosses)[0])

@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.road_network import RoadNetwork
@@ -61,7 +62,7 @@ def find_corridor(network: RoadNetwork, route: LaneRoute) -> RouteCorridor:
             lane = int(route.point_lanes[part.start])
             right, left = _borders(network, lane, usable)
             place, direction = _along(network, lane, route.line[part])
-            normal = np.column_stack((-np.sin(direction), np.cos(direction)))
+            normal = np.column_stack((-elementary.sin(direction), elementary.cos(direction)))
             middle[part] = place + 0.5 * (left - right) * normal
             heading[part] = direction
             width[part] = left + right
@@ -132,7 +133,7 @@ def _along(network: RoadNetwork, lane: int, points: FloatArray) -> tuple[FloatAr
     shape = network.lanes[lane].shape
     arc = arc_lengths(shape)
     steps = np.diff(shape, axis=0)
-    directions = np.arctan2(steps[:, 1], steps[:, 0])
+    directions = elementary.arctan2(steps[:, 1], steps[:, 0])
     s = np.empty(len(points))
     heading = np.empty(len(points))
     for i, (x, y) in enumerate(points.tolist()):

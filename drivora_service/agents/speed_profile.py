@@ -7,7 +7,9 @@ import math
 import numpy as np
 
 from drivora_service.compilation import compiled
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.geometry.products import moving_mean
 
 SIDE_ACCELERATION = 2.2
 """Lateral acceleration in bends on a dry road, m/s²."""
@@ -37,13 +39,14 @@ def free_speeds(
         (n,) m/s.
     """
     step = np.diff(line, axis=0)
-    heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
+    heading = np.unwrap(elementary.arctan2(step[:, 1], step[:, 0]))
     span = np.maximum(np.hypot(step[:, 0], step[:, 1]), 0.2)
     turn = np.abs(np.diff(heading))
     bend = np.zeros(len(line))
     bend[1:-1] = turn / (0.5 * (span[:-1] + span[1:]))
     if len(bend) >= _SMOOTHING:
-        bend = np.convolve(bend, np.ones(_SMOOTHING) / _SMOOTHING, mode="same")
+        padding = np.zeros(_SMOOTHING // 2)
+        bend = moving_mean(np.concatenate((padding, bend, padding)), _SMOOTHING)
     side = SIDE_ACCELERATION * friction
     speed = np.minimum(limits, np.sqrt(side / np.maximum(bend, 1e-4)))
     speed = np.maximum(speed, LEAST_SPEED)

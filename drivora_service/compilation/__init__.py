@@ -7,9 +7,17 @@ kernel: the modules of oracles and agents are light to import for those that onl
 from drivora_service.compilation.kernel import (
     Kernel,
     compiled,
+    is_compiler_loaded,
     load_compiler,
     specialize,
     worth_loading,
 )
 
-__all__ = ["Kernel", "compiled", "load_compiler", "specialize", "worth_loading"]
+__all__ = [
+    "Kernel",
+    "compiled",
+    "is_compiler_loaded",
+    "load_compiler",
+    "specialize",
+    "worth_loading",
+]

@@ -88,11 +88,16 @@ def worth_loading(kernel: Callable[..., object], calls: int) -> bool:
         kernel: A kernel.
         calls: How many calls of the function are about to be made instead.
     """
-    if _MACHINE_CODE in sys.modules:
+    if is_compiler_loaded():
         return True
     known = cast("Kernel", kernel)
     known.spared += calls
     return known.spared > _FEW
+
+
+def is_compiler_loaded() -> bool:
+    """Returns whether this process has the compiler, so that kernels are ready at once."""
+    return _MACHINE_CODE in sys.modules
 
 
 def load_compiler() -> None:

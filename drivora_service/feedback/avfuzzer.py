@@ -15,6 +15,7 @@ from pydantic import Field
 
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.observations.proximity import gaps_between
 from drivora_service.observations.trace import LEVEL_GAP, Col, EgoCol, Role
@@ -83,15 +84,15 @@ class AvfuzzerFeedback:
         others = trace.states[ego.first : ego.first + ego.count]
         lane = ego.value(EgoCol.LANE_HEADING)
         heading = np.where(np.isnan(lane), ego.states[:, Col.YAW], lane)
-        cos, sin = np.cos(heading)[:, None], np.sin(heading)[:, None]
+        cos, sin = elementary.cos(heading)[:, None], elementary.sin(heading)[:, None]
         away = others - ego.states[:, None]
         east, north = away[..., Col.X], away[..., Col.Y]
         ahead = east * cos + north * sin
         near = (np.abs(ahead) <= self.reach) & (np.abs(north * cos - east * sin) <= self.half_width)
         near &= np.abs(away[..., Col.Z]) <= LEVEL_GAP
         # Off every lane, where no direction is known, the sine is NaN and no actor pulls in.
-        slanted = np.abs(np.sin(ego.states[:, Col.YAW] - lane)) > math.sin(self.slant)
-        same_way = np.cos(others[..., Col.YAW] - heading[:, None]) > 0.0
+        slanted = np.abs(elementary.sin(ego.states[:, Col.YAW] - lane)) > math.sin(self.slant)
+        same_way = elementary.cos(others[..., Col.YAW] - heading[:, None]) > 0.0
         drives = np.array([actor.role in _VEHICLES for actor in trace.actors])
         return near & (ahead > 0.0), near & (ahead < 0.0) & slanted[:, None] & same_way & drives
 

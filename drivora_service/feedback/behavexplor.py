@@ -6,6 +6,7 @@ Cheng, Zhou, Xie, *BehAVExplor: Behavior Diversity Guided Testing for Autonomous
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
@@ -115,8 +116,8 @@ def _goal_distance(ego: EgoView) -> float:
         return 0.0
     x, y, yaw = ego.states[-1, [Col.X, Col.Y, Col.YAW]]
     east, north = ego.route.goal[0] - x, ego.route.goal[1] - y
-    ahead = abs(east * np.cos(yaw) + north * np.sin(yaw)) - 0.5 * ego.actor.length
-    aside = abs(north * np.cos(yaw) - east * np.sin(yaw)) - 0.5 * ego.actor.width
+    ahead = abs(east * math.cos(yaw) + north * math.sin(yaw)) - 0.5 * ego.actor.length
+    aside = abs(north * math.cos(yaw) - east * math.sin(yaw)) - 0.5 * ego.actor.width
     return float(np.hypot(max(ahead, 0.0), max(aside, 0.0)))
 
 

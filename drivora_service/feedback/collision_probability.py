@@ -18,8 +18,11 @@ An actor at a distance d between the centres has the probability ``1 - d / safet
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.observations.trace import LEVEL_GAP, Actor, Col, Role
 
@@ -27,7 +30,7 @@ MARGIN = 5.0
 """Metres that a safety distance has at least."""
 BRAKING = 6.0
 WALKER_BRAKING = 1.5
-_ALONG = np.cos(np.radians(30.0))
+_ALONG = math.cos(math.radians(30.0))
 """Cosine of the angle up to which two actors go the same way, on one lane."""
 _BESIDE = 0.5
 """Metres between the sides of two actors on one lane."""
@@ -54,12 +57,12 @@ def collision_probability(
     # What is absent has no state: it counts as far away.
     with np.errstate(invalid="ignore"):
         dx, dy = (others[..., col] - own[..., col] for col in (Col.X, Col.Y))
-        cos, sin = np.cos(own[..., Col.YAW]), np.sin(own[..., Col.YAW])
+        cos, sin = elementary.cos(own[..., Col.YAW]), elementary.sin(own[..., Col.YAW])
         ahead, aside = dx * cos + dy * sin, dy * cos - dx * sin
         turn = others[..., Col.YAW] - own[..., Col.YAW]
         speed, other = (np.hypot(s[..., Col.VX], s[..., Col.VY]) for s in (own, others))
         on_lane = (np.abs(aside) < 0.5 * (width + actors[ego].width) + _BESIDE) & (
-            (np.cos(turn) > _ALONG) | (other < 0.1)
+            (elementary.cos(turn) > _ALONG) | (other < 0.1)
         )
         braked = np.where(is_walker, WALKER_BRAKING, BRAKING)
         margin = 0.5 * (speed**2 / BRAKING - other**2 / braked)
@@ -67,7 +70,7 @@ def collision_probability(
         # A pedestrian behind the ego is none that it could run into.
         behind = is_walker & (ahead <= 0.0)
         along = np.where(behind, 0.0, np.where(follows, margin, np.abs(margin)) + MARGIN)
-        across = speed**2 * np.abs(np.sin(turn)) / BRAKING + MARGIN
+        across = speed**2 * np.abs(elementary.sin(turn)) / BRAKING + MARGIN
         level = np.abs(others[..., Col.Z] - own[..., Col.Z]) <= LEVEL_GAP
         distance = np.where(there & level, np.hypot(dx, dy), np.inf)
     lengthwise = _share(np.where(on_lane, along, 0.0), distance)

@@ -15,6 +15,7 @@ from pydantic import Field
 
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.reference_path import (
     line_of,
@@ -103,8 +104,8 @@ class DecictorFeedback:
         speed = poses[:, PoseCol.SPEED]
         gained = np.gradient(speed, self.sample) if len(speed) > 1 else np.zeros(len(speed))
         yaw = poses[:, PoseCol.YAW]
-        columns = (np.cos(yaw), np.sin(yaw), speed / self.speed, gained / self.acceleration)
-        return np.stack(columns, axis=1)
+        cos, sin = elementary.cos(yaw), elementary.sin(yaw)
+        return np.stack((cos, sin, speed / self.speed, gained / self.acceleration), axis=1)
 
 
 def mean_discrepancy(first: FloatArray, second: FloatArray, bandwidth: float) -> float:
@@ -120,7 +121,7 @@ def mean_discrepancy(first: FloatArray, second: FloatArray, bandwidth: float) ->
 
     def mean_kernel(one: FloatArray, other: FloatArray) -> float:
         squares = ((one[:, None, :] - other[None, :, :]) ** 2).sum(axis=2)
-        return float(np.exp(-squares / (2.0 * bandwidth**2)).mean())
+        return float(elementary.exp(-squares / (2.0 * bandwidth**2)).mean())
 
     square = (
         mean_kernel(first, first) + mean_kernel(second, second) - 2.0 * mean_kernel(first, second)

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drivora_service.errors import UnknownName
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.ground import wheelbase_of
 from drivora_service.observations.trace import Col, EgoCol
@@ -78,7 +79,7 @@ def driving_frames(ego: EgoView) -> DrivingFrames:
     middle = np.interp(times[WINDOW_FRAMES:] - 0.5 * window, ego.times, heading)
     return DrivingFrames(
         acceleration=change(ego.speed),
-        side=north * np.cos(middle) - east * np.sin(middle),
+        side=north * elementary.cos(middle) - east * elementary.sin(middle),
         speed=change(np.concatenate(([0.0], np.cumsum(ego.moved[1:])))),
         yaw_rate=change(heading),
         neutral=change(_neutral_heading(ego, heading)),
@@ -94,7 +95,8 @@ def _neutral_heading(ego: EgoView, heading: FloatArray) -> FloatArray:
     dt = ego.step_length
     mean = 0.5 * (wheels[1:] + wheels[:-1])
     speed = 0.5 * (ego.forward_speed[1:] + ego.forward_speed[:-1])
-    rate = 2.0 * speed * np.sin(np.arctan(0.5 * np.tan(mean))) / wheelbase_of(ego.actor)
+    slip = elementary.arctan(0.5 * elementary.tan(mean))
+    rate = 2.0 * speed * elementary.sin(slip) / wheelbase_of(ego.actor)
     turned = np.where(np.isnan(rate), np.diff(heading), rate * dt)
     return np.concatenate(([0.0], np.cumsum(turned)))
 

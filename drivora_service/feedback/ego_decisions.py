@@ -13,6 +13,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.routes.route_meetings import Meeting
 from drivora_service.observations.run_view import EgoView, RunView
@@ -162,12 +163,12 @@ def _overtakes(ego: EgoView, thresholds: DecisionThresholds) -> bool:
     own = ego.states[::every, None]
     others = trace.states[ego.first : ego.first + ego.count : every, rows]
     offsets = others - own
-    cos, sin = np.cos(own[..., Col.YAW]), np.sin(own[..., Col.YAW])
+    cos, sin = elementary.cos(own[..., Col.YAW]), elementary.sin(own[..., Col.YAW])
     ahead = offsets[..., Col.X] * cos + offsets[..., Col.Y] * sin
     across = np.abs(offsets[..., Col.Y] * cos - offsets[..., Col.X] * sin)
     lengths = 0.5 * (ego.actor.length + np.array([trace.actors[row].length for row in rows]))
     # Comparisons with NaN, where an actor is absent, are false.
-    along = np.cos(offsets[..., Col.YAW]) >= math.cos(thresholds.same_heading)
+    along = elementary.cos(offsets[..., Col.YAW]) >= math.cos(thresholds.same_heading)
     along &= (np.abs(ahead) <= thresholds.approach) & (np.abs(offsets[..., Col.Z]) <= LEVEL_GAP)
     before = along & (ahead > 0.0) & (across <= thresholds.lane_half_width)
     behind = along & (ahead < -lengths) & (across <= thresholds.beside)

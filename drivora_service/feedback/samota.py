@@ -17,6 +17,7 @@ from pydantic import Field
 
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.feedback.plugin import FeedbackPlugin
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.observations.proximity import gaps_between
@@ -186,7 +187,8 @@ def _lane_centre(ego: EgoView) -> float | None:
         out = outside_distance(ego.network, ego.states[off][:, [Col.X, Col.Y]])
         share[off] = (usual + out) / (usual + margin)
     turn = ego.states[:, Col.YAW] - ego.value(EgoCol.LANE_HEADING)
-    share[(np.cos(turn) < 0.0) & (ego.lanes >= 0) & ~ego.in_junction & (ego.moved > 0.0)] = 1.0
+    against = elementary.cos(turn) < 0.0
+    share[against & (ego.lanes >= 0) & ~ego.in_junction & (ego.moved > 0.0)] = 1.0
     share = share[np.isfinite(share)]
     return max(1.0 - float(share.max()), 0.0) if len(share) else None
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Col
 
@@ -54,7 +55,7 @@ def motion_signals(ego: EgoView, sample: float) -> FloatArray:
     vx, vy = ego.states[:, Col.VX], ego.states[:, Col.VY]
     ax, ay = ego.states[:, Col.AX], ego.states[:, Col.AY]
     yaw = ego.states[:, Col.YAW]
-    cos, sin = np.cos(yaw), np.sin(yaw)
+    cos, sin = elementary.cos(yaw), elementary.sin(yaw)
     recorded = (
         ego.speed,
         np.where(ax * vx + ay * vy < 0.0, -1.0, 1.0) * np.hypot(ax, ay),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 
 
@@ -24,8 +25,8 @@ def box_corners(
         width: Width of all boxes, or (n,) of each, metres.
     """
     half_length, half_width = (0.5 * np.reshape(size, (-1, 1, 1)) for size in (length, width))
-    ahead = np.stack((np.cos(yaw), np.sin(yaw)), axis=-1)[:, None, :] * half_length
-    left = np.stack((-np.sin(yaw), np.cos(yaw)), axis=-1)[:, None, :] * half_width
+    ahead = np.stack((elementary.cos(yaw), elementary.sin(yaw)), axis=-1)[:, None, :] * half_length
+    left = np.stack((-elementary.sin(yaw), elementary.cos(yaw)), axis=-1)[:, None, :] * half_width
     signs = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
     centres = np.stack((x, y), axis=-1)[:, None, :]
     return centres + signs[None, :, :1] * ahead + signs[None, :, 1:] * left

@@ -21,6 +21,7 @@ from drivora_service.agents.speed_profile import (
     free_speeds,
     slow_down_in_time,
 )
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.projection import project_points
 from drivora_service.observations.recorded_conditions import road_frictions
@@ -131,7 +132,7 @@ def _free_drive(
 def _limits(ego: EgoView, line: FloatArray) -> FloatArray | None:
     """Returns the (m,) speed limits at the points of a line; ``None`` if it is off all lanes."""
     along = np.diff(line, axis=0)
-    headings = np.arctan2(along[:, 1], along[:, 0])
+    headings = elementary.arctan2(along[:, 1], along[:, 0])
     lanes = project_points(ego.network, line, np.append(headings, headings[-1])).lane
     on = np.flatnonzero(lanes >= 0)
     if not len(on):

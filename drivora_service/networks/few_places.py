@@ -135,6 +135,6 @@ def _place(index: SegmentIndex, i: int, t: float, x: float, y: float) -> tuple[f
     start_x, start_y, ux, uy, _, arc = index.segments[i].tolist()
     dx, dy = x - start_x, y - start_y
     side = ux * dy - uy * dx
-    # Not math.hypot, nor np.arctan2: they round otherwise than the C library, which kernels use.
+    # Not math.hypot, which rounds otherwise than the C library, which kernels use.
     distance = float(np.hypot(dx - t * ux, dy - t * uy))
     return arc + t, distance if side >= 0.0 else -distance, math.atan2(uy, ux)

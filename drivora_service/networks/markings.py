@@ -6,9 +6,9 @@ the same direction, with or without a permitted change, the other direction, or 
 
 from __future__ import annotations
 
+import math
 from enum import StrEnum
 
-import numpy as np
 from shapely import LineString, Point, STRtree
 
 from drivora_service.geometry.lines import offset_line
@@ -73,7 +73,7 @@ def _edges_beside_opposite(network: RoadNetwork) -> frozenset[str]:
         middle = border.interpolate(0.5, normalized=True)
         heading = _heading(border, middle)
         for other in tree.query(middle, predicate="dwithin", distance=_SAME_BORDER).tolist():
-            if np.cos(_heading(borders[other], middle) - heading) < _OPPOSITE:
+            if math.cos(_heading(borders[other], middle) - heading) < _OPPOSITE:
                 found.add(lane.edge_id)
     return frozenset(found)
 
@@ -82,4 +82,4 @@ def _heading(border: LineString, place: Point) -> float:
     """Returns the direction of a line beside a place, radians."""
     s = border.project(place)
     ends = [border.interpolate(max(s + along, 0.0)) for along in (-_BESIDE, _BESIDE)]
-    return float(np.arctan2(ends[1].y - ends[0].y, ends[1].x - ends[0].x))
+    return math.atan2(ends[1].y - ends[0].y, ends[1].x - ends[0].x)

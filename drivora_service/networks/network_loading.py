@@ -264,7 +264,7 @@ def _usable_shapes(
             + [(points[link.to_lane], 0) for link in connections[index]]
         )
         own = points[index][-1] - points[index][0]
-        if float(own @ direction) >= DEGENERATE_LENGTH:
+        if float(own[0] * direction[0] + own[1] * direction[1]) >= DEGENERATE_LENGTH:
             continue
         centre = points[index].mean(axis=0)
         half = 0.5 * DEGENERATE_LENGTH * direction

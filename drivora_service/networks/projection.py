@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled, worth_loading
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray, Int32Array
 from drivora_service.networks import few_places
 from drivora_service.networks.few_places import HEADING_WEIGHT, HYSTERESIS, OVERSHOOT
@@ -102,7 +104,7 @@ def _near_lanes(
         lanes, places = few_places.lanes_near(index, float(x), float(y), float(max_distance))
     cost = np.abs(places[:, 1])
     if heading is not None:
-        cost = cost + HEADING_WEIGHT * (1.0 - np.cos(places[:, 2] - heading))
+        cost = cost + HEADING_WEIGHT * (1.0 - elementary.cos(places[:, 2] - heading))
     return lanes, places, cost
 
 
@@ -168,7 +170,7 @@ def _place(segments: FloatArray, i: int, t: float, x: float, y: float, out: Floa
     distance = np.hypot(dx - t * ux, dy - t * uy)
     out[0] = segments[i, 5] + t
     out[1] = distance if side >= 0.0 else -distance
-    out[2] = np.arctan2(uy, ux)
+    out[2] = math.atan2(uy, ux)
 
 
 @compiled
@@ -275,7 +277,7 @@ def _project(
             cost = np.sqrt(squared[j])
             if not np.isnan(headings[p]):
                 agreement = (
-                    np.cos(headings[p]) * segments[i, 2] + np.sin(headings[p]) * segments[i, 3]
+                    math.cos(headings[p]) * segments[i, 2] + math.sin(headings[p]) * segments[i, 3]
                 )
                 cost += HEADING_WEIGHT * (1.0 - agreement)
             if found[j] == before:

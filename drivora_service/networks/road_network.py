@@ -6,6 +6,7 @@ end along the centre line.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -101,7 +102,7 @@ class Lane:
         return (
             float(x0 + t * (x1 - x0)),
             float(y0 + t * (y1 - y0)),
-            float(np.arctan2(y1 - y0, x1 - x0)),
+            math.atan2(y1 - y0, x1 - x0),
         )
 
 

@@ -154,7 +154,7 @@ def patch_array(patches: Sequence[Mapping[str, Any]]) -> FloatArray:
     for row, patch in zip(laid, patches, strict=True):
         yaw = float(patch["yaw"])
         row[PatchCol.X], row[PatchCol.Y], row[PatchCol.Z] = patch["x"], patch["y"], patch["z"]
-        row[PatchCol.COS], row[PatchCol.SIN] = np.cos(yaw), np.sin(yaw)
+        row[PatchCol.COS], row[PatchCol.SIN] = math.cos(yaw), math.sin(yaw)
         row[PatchCol.HALF_LENGTH] = 0.5 * float(patch["length"])
         row[PatchCol.HALF_WIDTH] = 0.5 * float(patch["width"])
         row[PatchCol.FRICTION] = patch["friction"]

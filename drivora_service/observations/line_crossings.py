@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.compilation import compiled
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.networks.stop_lines import StopLines, WayThrough, stop_lines
 from drivora_service.observations.run_view import EgoView
@@ -94,7 +95,7 @@ def _near(ego: EgoView, lines: StopLines) -> list[int]:
 
 def _track(ego: EgoView, offset: float, width: float) -> _Track:
     """Returns the way of the point ``offset`` metres before the ego's centre."""
-    cos, sin = np.cos(ego.states[:, Col.YAW]), np.sin(ego.states[:, Col.YAW])
+    cos, sin = elementary.cos(ego.states[:, Col.YAW]), elementary.sin(ego.states[:, Col.YAW])
     return _Track(
         x=ego.states[:, Col.X] + offset * cos,
         y=ego.states[:, Col.Y] + offset * sin,

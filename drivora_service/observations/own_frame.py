@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.trace import Col
 
@@ -14,6 +13,6 @@ def own_acceleration(states: FloatArray) -> tuple[FloatArray, FloatArray]:
     Args:
         states: (n, 9) columns ``Col``.
     """
-    cos, sin = np.cos(states[:, Col.YAW]), np.sin(states[:, Col.YAW])
+    cos, sin = elementary.cos(states[:, Col.YAW]), elementary.sin(states[:, Col.YAW])
     ax, ay = states[:, Col.AX], states[:, Col.AY]
     return ax * cos + ay * sin, ay * cos - ax * sin

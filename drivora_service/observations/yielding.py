@@ -13,6 +13,7 @@ import shapely
 from shapely import LineString, Polygon
 
 from drivora_service.compilation import compiled
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.networks.projection import project_points
@@ -201,8 +202,9 @@ def _braking(ego: EgoView, other: int, first: int, leaves: int) -> float:
     rows = slice(ego.first + first, ego.first + leaves + 1)
     states, present = ego.trace.states[rows], ego.trace.present[rows]
     yaw = states[:, other, Col.YAW]
-    along = states[:, other, Col.AX] * np.cos(yaw) + states[:, other, Col.AY] * np.sin(yaw)
-    speed = states[:, other, Col.VX] * np.cos(yaw) + states[:, other, Col.VY] * np.sin(yaw)
+    cos, sin = elementary.cos(yaw), elementary.sin(yaw)
+    along = states[:, other, Col.AX] * cos + states[:, other, Col.AY] * sin
+    speed = states[:, other, Col.VX] * cos + states[:, other, Col.VY] * sin
     braking = np.where(present[:, other] & (speed > 0.0), -along, 0.0)
     worst = int(np.argmax(braking))
     for actor in ego.trace.actors:

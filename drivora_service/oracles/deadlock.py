@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -93,8 +94,8 @@ class Deadlock:
         ego = run.egos[row]
         k = step - ego.first
         x, y, yaw = ego.states[k, [Col.X, Col.Y, Col.YAW]]
-        front_x = x + 0.5 * ego.actor.length * np.cos(yaw)
-        front_y = y + 0.5 * ego.actor.length * np.sin(yaw)
+        front_x = x + 0.5 * ego.actor.length * math.cos(yaw)
+        front_y = y + 0.5 * ego.actor.length * math.sin(yaw)
         before = []
         for other_row in candidates:
             other = run.egos[other_row]
@@ -104,7 +105,7 @@ class Deadlock:
             corners = other.corners[step - other.first]
             dx, dy = corners[:, 0] - front_x, corners[:, 1] - front_y
             nearest = int(np.argmin(np.hypot(dx, dy)))
-            bearing = wrap_angle(float(np.arctan2(dy[nearest], dx[nearest]) - yaw))
+            bearing = wrap_angle(float(math.atan2(dy[nearest], dx[nearest]) - yaw))
             near = np.hypot(dx[nearest], dy[nearest]) <= self.reach
             if near and abs(bearing) <= self.bearing:
                 sight = LineString([(front_x, front_y), corners[nearest]])

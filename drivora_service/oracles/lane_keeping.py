@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import BoolArray
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.observations.run_view import EgoView, RunView
@@ -84,6 +85,6 @@ class LaneKeeping:
 
     def _flag_oncoming(self, ego: EgoView) -> BoolArray:
         turn = ego.states[:, Col.YAW] - ego.value(EgoCol.LANE_HEADING)
-        against = np.cos(turn) < 0.0
+        against = elementary.cos(turn) < 0.0
         oncoming: BoolArray = against & (ego.lanes >= 0) & ~ego.in_junction
         return oncoming

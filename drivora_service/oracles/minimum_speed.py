@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.networks.stop_lines import stop_lines
 from drivora_service.observations.leaders import leaders
@@ -112,7 +113,7 @@ class MinimumSpeed:
         line, arc = ego.route.line, ego.route.arc
         if len(line) < 3:
             return np.full(ego.count, np.inf)
-        heading = np.unwrap(np.arctan2(*np.diff(line, axis=0).T[::-1]))
+        heading = np.unwrap(elementary.arctan2(*np.diff(line, axis=0).T[::-1]))
         middle = 0.5 * (arc[1:] + arc[:-1])
         places = np.arange(0.0, arc[-1] + 5.0, 5.0)
         at = np.interp(places, middle, heading)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,7 +78,8 @@ class NearMiss:
         trace, row = ego.trace, ego.first + k
         state = trace.states[row, other]
         moves = np.hypot(state[Col.VX], state[Col.VY]) >= self.standing_speed
-        if not moves or np.cos(state[Col.YAW] - ego.states[k, Col.YAW]) >= np.cos(SAME_WAY):
+        turn = state[Col.YAW] - ego.states[k, Col.YAW]
+        if not moves or math.cos(turn) >= math.cos(SAME_WAY):
             return True
         soon = row + round(2.0 * self.time_to_collision / ego.step_length)
         last = min(soon, ego.first + ego.count - 1)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import Col, EgoCol
@@ -79,7 +80,7 @@ def backwards(ego: EgoView, window: float) -> FloatArray:
     """
     heading = ego.value(EgoCol.LANE_HEADING)
     steps = np.diff(ego.states[:, [Col.X, Col.Y]], axis=0)
-    along = steps[:, 0] * np.cos(heading[1:]) + steps[:, 1] * np.sin(heading[1:])
+    along = steps[:, 0] * elementary.cos(heading[1:]) + steps[:, 1] * elementary.sin(heading[1:])
     along[~np.isfinite(along) | ego.in_junction[1:]] = 0.0
     total = np.concatenate(([0.0], np.cumsum(along)))
     rows = max(round(window / ego.step_length), 1)

@@ -14,6 +14,7 @@ import numpy as np
 
 from drivora_service.agents.route_corridor import RouteCorridor
 from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.geometry.products import moving_mean
 
 _SPACING = 1.0
 _SMOOTHING = 9
@@ -70,8 +71,7 @@ def _turns(corridor: RouteCorridor) -> list[tuple[float, float, float]]:
     s = np.linspace(0.0, float(corridor.arc[-1]), count)
     heading = np.interp(s, corridor.arc, corridor.heading)
     half = _SMOOTHING // 2
-    padded = np.pad(heading, half, mode="edge")
-    smooth = np.convolve(padded, np.full(_SMOOTHING, 1.0 / _SMOOTHING), mode="valid")
+    smooth = moving_mean(np.pad(heading, half, mode="edge"), _SMOOTHING)
     bend = np.gradient(smooth, s)
     side = np.where(np.abs(bend) > _LEAST_BEND, np.sign(bend), 0.0)
     cuts = [0, *(np.flatnonzero(np.diff(side)) + 1).tolist(), count]

@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.road_network import RoadNetwork, make_read_only
@@ -93,7 +94,8 @@ class _Draft:
         end = self.points[-1][-1]
         heading = end - _point_before(self.points)
         gap = lane.shape - end
-        overlapping = (gap @ heading <= 0.0) & (np.hypot(gap[:, 0], gap[:, 1]) < MAX_OVERLAP)
+        along = gap[:, 0] * heading[0] + gap[:, 1] * heading[1]
+        overlapping = (along <= 0.0) & (np.hypot(gap[:, 0], gap[:, 1]) < MAX_OVERLAP)
         first = len(gap) if overlapping.all() else int(np.argmin(overlapping))
         kept = lane.shape[first:]
         start = float(self.lane_u[-1][-1])
@@ -306,7 +308,7 @@ def _blend(
     count = max(math.ceil((longest + 0.5 * math.pi * aside) / SPACING), 2)
     t = np.linspace(0.0, 1.0, count + 1)
     return (
-        0.5 - 0.5 * np.cos(math.pi * t),
+        0.5 - 0.5 * elementary.cos(math.pi * t),
         here[0] + t * (here[1] - here[0]),
         there[0] + t * (there[1] - there[0]),
     )

@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.lines import arc_lengths
 from drivora_service.networks.road_network import Connection, Lane, RoadNetwork
@@ -118,4 +119,4 @@ def _part(lane: Lane, begin: float, end: float) -> FloatArray:
 def _headings(line: FloatArray) -> FloatArray:
     """Returns the direction of each step of a line, radians, without jumps of a full turn."""
     steps = np.diff(line, axis=0)
-    return np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
+    return np.unwrap(elementary.arctan2(steps[:, 1], steps[:, 0]))

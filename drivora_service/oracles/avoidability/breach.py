@@ -6,6 +6,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import BoolArray
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Col, EgoCol, Light
@@ -40,7 +41,7 @@ def _astray(ego: EgoView) -> BoolArray:
 
     Inside junctions, where lanes of all directions overlap, only the former counts.
     """
-    turn = np.cos(ego.states[:, Col.YAW] - ego.value(EgoCol.LANE_HEADING))
+    turn = elementary.cos(ego.states[:, Col.YAW] - ego.value(EgoCol.LANE_HEADING))
     with np.errstate(invalid="ignore"):
         left = ego.room_beside[:, 0] < -OUTSIDE
         oncoming = (left | (turn < 0.0)) & ~ego.in_junction

@@ -17,6 +17,7 @@ from enum import StrEnum
 import numpy as np
 
 from drivora_service.compilation import compiled
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.geometry.kernels import wrap_to_pi
@@ -266,7 +267,7 @@ def _flag_closing_in(
     along, across, turned = beside
     ahead = along - replay.path[: replay.contact, 0]
     room = np.abs(ahead) - 0.5 * (replay.length + replay.sizes[0, 0])
-    closing = np.sign(ahead) * (replay.speed[:-1] - course[:, 0] * np.cos(turned))
+    closing = np.sign(ahead) * (replay.speed[:-1] - course[:, 0] * elementary.cos(turned))
     reach = 0.5 * (replay.width + replay.sizes[0, 1])
     thought = np.maximum(
         driver.foresight, driver.margin * driver.time_for(np.maximum(closing, 0.0), grip)

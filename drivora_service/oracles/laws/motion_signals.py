@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.recorded_signals import off_route
 from drivora_service.observations.run_view import EgoView
@@ -13,7 +14,8 @@ from drivora_service.observations.trace import Col, EgoCol, Light
 def acceleration(ego: EgoView) -> FloatArray:
     """Returns the (n,) acceleration along the heading, m/s²."""
     yaw = ego.states[:, Col.YAW]
-    along: FloatArray = ego.states[:, Col.AX] * np.cos(yaw) + ego.states[:, Col.AY] * np.sin(yaw)
+    cos, sin = elementary.cos(yaw), elementary.sin(yaw)
+    along: FloatArray = ego.states[:, Col.AX] * cos + ego.states[:, Col.AY] * sin
     return along
 
 

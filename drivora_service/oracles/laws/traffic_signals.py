@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.leaders import SAME_WAY, VEHICLES, Leaders, leaders
 from drivora_service.observations.run_view import EgoView
@@ -46,7 +48,7 @@ def closing_from_behind(ego: EgoView) -> FloatArray:
     trace = ego.trace
     others = [a for a in trace.actors if a.row != ego.row and a.role in VEHICLES]
     yaw = ego.states[rows, Col.YAW]
-    cos, sin = np.cos(yaw), np.sin(yaw)
+    cos, sin = elementary.cos(yaw), elementary.sin(yaw)
     soonest = np.full(len(rows), np.inf)
     for other in others:
         states = trace.states[ego.first + rows, other.row]
@@ -54,12 +56,13 @@ def closing_from_behind(ego: EgoView) -> FloatArray:
         dy = states[:, Col.Y] - ego.states[rows, Col.Y]
         behind, across = -(dx * cos + dy * sin), np.abs(dy * cos - dx * sin)
         turn = states[:, Col.YAW] - yaw
-        along, aside = np.abs(np.cos(turn)), np.abs(np.sin(turn))
+        along, aside = np.abs(elementary.cos(turn)), np.abs(elementary.sin(turn))
         half_width = 0.5 * (ego.actor.width + other.length * aside + other.width * along)
         room = behind - 0.5 * (ego.actor.length + other.length * along + other.width * aside)
         closing = states[:, Col.VX] * cos + states[:, Col.VY] * sin - ego.forward_speed[rows]
         # Comparisons with the NaN of an absent actor are false.
-        follows = (behind > 0.0) & (across < half_width) & (np.cos(turn) > np.cos(SAME_WAY))
+        follows = (behind > 0.0) & (across < half_width)
+        follows &= elementary.cos(turn) > math.cos(SAME_WAY)
         follows &= np.abs(states[:, Col.Z] - ego.states[rows, Col.Z]) <= LEVEL_GAP
         follows &= closing > 1e-6
         seconds = np.maximum(room, 0.0) / np.where(follows, closing, 1.0)

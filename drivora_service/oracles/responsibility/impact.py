@@ -73,7 +73,7 @@ def find_impact(trace: Trace, ego: Actor, other: Actor, step: int) -> Impact:
     x, y = _touch_point(pose, ego, other)
     return Impact(
         ego_speed=float(np.hypot(*velocities[0])),
-        ego_forward=float(velocities[0] @ (cos, sin)),
+        ego_forward=float(velocities[0, 0] * cos + velocities[0, 1] * sin),
         other_speed=float(np.hypot(*velocities[1])),
         relative_speed=float(np.hypot(*relative)),
         face=_face(pose, ego, other),

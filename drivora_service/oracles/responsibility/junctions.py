@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -125,7 +126,7 @@ def _cost(scene: Scene, party: Party, movement: Movement, begin: int) -> float:
         s = line.project(Point(x, y))
         foot, ahead = line.interpolate(s), line.interpolate(min(s + 0.5, line.length))
         behind = line.interpolate(max(s - 0.5, 0.0))
-        heading = float(np.arctan2(ahead.y - behind.y, ahead.x - behind.x))
+        heading = math.atan2(ahead.y - behind.y, ahead.x - behind.x)
         turn = abs(wrap_angle(float(party.states[k, Col.YAW]) - heading))
         costs.append(float(np.hypot(x - foot.x, y - foot.y)) + _TURN_WEIGHT * turn)
     return float(np.mean(costs))

@@ -10,6 +10,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from drivora_service.errors import NoRoute
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.routes.lane_route import LaneRoute
@@ -81,7 +82,7 @@ class DrivenPath:
         self.network, self.route = network, route
         self.arc, self.line = route.arc, route.line
         steps = np.diff(route.line, axis=0)
-        headings = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
+        headings = np.unwrap(elementary.arctan2(steps[:, 1], steps[:, 0]))
         self.yaw: FloatArray = np.append(headings, headings[-1])
         # Places are looked up one at a time: lists are read far faster than arrays.
         self._arcs: list[float] = self.arc.tolist()

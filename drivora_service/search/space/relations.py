@@ -9,6 +9,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.search.space.driven_path import DrivenPath
@@ -128,7 +129,7 @@ class RouteSurroundings:
         s = np.linspace(0.0, length, max(int(np.ceil(length / _SPACING)) + 1, 2))
         x = np.interp(s, lane.arc, lane.shape[:, 0])
         y = np.interp(s, lane.arc, lane.shape[:, 1])
-        heading = np.arctan2(np.gradient(y), np.gradient(x))
+        heading = elementary.arctan2(np.gradient(y), np.gradient(x))
         gap, nearest = np.full(len(s), np.inf), np.zeros(len(s), dtype=np.int64)
         xy = np.column_stack((x, y))
         near = ((xy >= self._low) & (xy <= self._high)).all(axis=1)
@@ -139,7 +140,7 @@ class RouteSurroundings:
         return _LaneView(
             s=s,
             gap=gap,
-            cosine=np.cos(heading - route.yaw[nearest]),
+            cosine=elementary.cos(heading - route.yaw[nearest]),
             along=route.arc[nearest],
         )
 

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.drivable_area import near_area
 from drivora_service.networks.road_network import RoadNetwork
@@ -89,7 +90,7 @@ def edge_distances(
         (n,) metres; inf if the carriageway does not end within ``WIDEST``.
     """
     steps = np.arange(step, WIDEST + 0.5 * step, step)
-    ahead = np.stack((np.cos(directions), np.sin(directions)), axis=-1)
+    ahead = np.stack((elementary.cos(directions), elementary.sin(directions)), axis=-1)
     found = np.full(len(xy), np.inf)
     searching = np.arange(len(xy))
     # Most carriageways end soon: places beyond the end need not be compared with the area.

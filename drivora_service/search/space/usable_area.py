@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.compilation import compiled
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.geometry.boxes import boxes_overlap
 from drivora_service.networks.road_network import RoadNetwork
@@ -102,8 +103,8 @@ def _area(ego: EgoVehicle) -> UsableArea:
         places=np.stack(
             (
                 times,
-                poses[:, PoseCol.X] + 0.5 * AHEAD * np.cos(yaw),
-                poses[:, PoseCol.Y] + 0.5 * AHEAD * np.sin(yaw),
+                poses[:, PoseCol.X] + 0.5 * AHEAD * elementary.cos(yaw),
+                poses[:, PoseCol.Y] + 0.5 * AHEAD * elementary.sin(yaw),
                 yaw,
             ),
             axis=1,

@@ -14,6 +14,7 @@ import numpy as np
 
 from drivora_service.agents.speed_profile import slow_down_in_time, slow_down_within
 from drivora_service.compilation import compiled
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.lines import arc_lengths
 from drivora_service.simulation.motion.vehicle_dynamics import GRAVITY
@@ -134,7 +135,7 @@ def build_path(
     fine = np.union1d(arc, np.linspace(0.0, arc[-1], max(2, math.ceil(arc[-1] / SPACING) + 1)))
     fine = fine[np.concatenate(([True], np.diff(fine) > 1e-6))]
     x, y = np.interp(fine, arc, line[:, 0]), np.interp(fine, arc, line[:, 1])
-    yaw = np.unwrap(np.arctan2(np.gradient(y, fine), np.gradient(x, fine)))
+    yaw = np.unwrap(elementary.arctan2(np.gradient(y, fine), np.gradient(x, fine)))
     # Between two waypoints the speed of the one ahead applies.
     ahead = np.minimum(np.searchsorted(speed_arcs, fine - 1e-6, side="left"), len(speeds) - 1)
     wanted = speeds[np.maximum(ahead, min(1, len(speeds) - 1))].astype(np.float64)

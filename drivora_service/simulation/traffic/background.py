@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.networks.routes.tight_turns import tight_turns
@@ -81,7 +82,8 @@ class Wanderers:
 def clearance_points(x: float, y: float) -> FloatArray:
     """Returns (9, 2) points around a start that keep a safe distance free, metres."""
     angles = np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False)
-    ring = np.column_stack((np.cos(angles), np.sin(angles))) * (_CLEARANCE - _SPACING)
+    directions = np.column_stack((elementary.cos(angles), elementary.sin(angles)))
+    ring = directions * (_CLEARANCE - _SPACING)
     return np.concatenate((np.array([(x, y)]), ring + np.array([x, y])))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,7 +67,7 @@ class Seed:
         self.successes += is_success
         rate = self.successes / self.children
         success = rate if is_success else -_FAILURE_WEIGHT * (1.0 - rate)
-        slope = float(np.tanh(gain / (1.0 - novelty + _EPSILON)))
+        slope = math.tanh(gain / (1.0 - novelty + _EPSILON))
         self.spend(_COST - 0.5 * success - 0.5 * slope)
 
     def spend(self, energy: float) -> None:

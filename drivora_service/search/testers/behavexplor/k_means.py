@@ -7,6 +7,7 @@ arithmetic here (decision 18).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,7 +110,7 @@ def _plus_plus(rows: FloatArray, count: int, seed: int) -> FloatArray:
     random = np.random.RandomState(seed)
     n = len(rows)
     squares = np.einsum("ij,ij->i", rows, rows)
-    draws = 2 + int(np.log(count))
+    draws = 2 + int(math.log(count))
     chosen = [int(random.choice(n, p=np.full(n, 1.0 / n)))]
     nearest = _compute_squared_distances(rows[chosen], squares[chosen], rows, squares)[0]
     for _ in range(1, count):
