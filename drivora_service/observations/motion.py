@@ -3,10 +3,6 @@
 Savitzky-Golay filters of order 2 as in nuPlan's and Bench2Drive's comfort metrics: about 8 samples
 for accelerations and 15 for derivatives at 20 Hz, kept as durations for other step lengths. Unlike
 in Bench2Drive's public code, yaw acceleration is the derivative of the yaw rate.
-
-``scipy.signal`` takes about a second of processor time to import, which only processes that judge
-runs need: `run_view` imports this module on use. It is imported as a module, so that the
-comparison of judging code (`worker/watched.py`) follows it.
 """
 
 from __future__ import annotations
@@ -14,9 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import signal
 
 from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.observations.local_polynomials import slopes, smooth
 from drivora_service.observations.own_frame import own_acceleration
 from drivora_service.observations.trace import Col
 
@@ -67,14 +63,14 @@ def filter_motion(states: FloatArray, step_length: float) -> FilteredMotion | No
     along, across = own_acceleration(states)
     ax, ay = states[:, Col.AX], states[:, Col.AY]
     own = np.stack((along, across, states[:, Col.YAW_RATE]))
-    smooth = signal.savgol_filter(own, smoothing, _ORDER)
+    smoothed = smooth(own, smoothing)
     rising = np.stack((own[0], np.hypot(ax, ay), own[2]))
-    slopes = signal.savgol_filter(rising, derivative, _ORDER, deriv=1, delta=step_length)
+    rates = slopes(rising, derivative, step_length)
     return FilteredMotion(
-        longitudinal_acceleration=smooth[0],
-        lateral_acceleration=smooth[1],
-        yaw_rate=smooth[2],
-        longitudinal_jerk=slopes[0],
-        jerk=slopes[1],
-        yaw_acceleration=slopes[2],
+        longitudinal_acceleration=smoothed[0],
+        lateral_acceleration=smoothed[1],
+        yaw_rate=smoothed[2],
+        longitudinal_jerk=rates[0],
+        jerk=rates[1],
+        yaw_acceleration=rates[2],
     )

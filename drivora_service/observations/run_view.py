@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import BoolArray, ByteArray, FloatArray, Int32Array
 from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.networks.lane_bends import tangent_gap
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.motion import FilteredMotion, filter_motion
 from drivora_service.observations.proximity import Proximity, look_around
 from drivora_service.observations.trace import Actor, Col, EgoCol, EgoRoute, TerminalEvent, Trace
 
 if TYPE_CHECKING:
     from drivora_service.observations.line_crossings import Crossing
-    from drivora_service.observations.motion import FilteredMotion
 
 _BEND_SHARE = 2.0
 """Factor by which a road's border may deviate further from its tangents than a lane's centre."""
@@ -66,7 +67,7 @@ class EgoView:
         self.count = len(self.times)
         vx, vy, yaw = self.states[:, Col.VX], self.states[:, Col.VY], self.states[:, Col.YAW]
         self.speed: FloatArray = np.hypot(vx, vy)
-        self.forward_speed: FloatArray = vx * np.cos(yaw) + vy * np.sin(yaw)
+        self.forward_speed: FloatArray = vx * elementary.cos(yaw) + vy * elementary.sin(yaw)
         steps = np.hypot(np.diff(self.states[:, Col.X]), np.diff(self.states[:, Col.Y]))
         self.moved: FloatArray = np.concatenate((np.zeros(min(self.count, 1)), steps))
 
@@ -132,8 +133,8 @@ class EgoView:
     def lateral_reach(self) -> FloatArray:
         """(n,) metres that its box reaches from its centre across the lane; NaN off all lanes."""
         turn = self.states[:, Col.YAW] - self.value(EgoCol.LANE_HEADING)
-        along = 0.5 * self.actor.length * np.abs(np.sin(turn))
-        reach: FloatArray = along + 0.5 * self.actor.width * np.abs(np.cos(turn))
+        along = 0.5 * self.actor.length * np.abs(elementary.sin(turn))
+        reach: FloatArray = along + 0.5 * self.actor.width * np.abs(elementary.cos(turn))
         return reach
 
     @cached_property
@@ -210,9 +211,6 @@ class EgoView:
     @cached_property
     def motion(self) -> FilteredMotion | None:
         """Its filtered motion; None if its part is too short to filter."""
-        # Imported here, so that listing oracles and testers does not load scipy.signal.
-        from drivora_service.observations.motion import filter_motion
-
         return filter_motion(self.states, self.step_length)
 
 

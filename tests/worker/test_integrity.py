@@ -33,7 +33,7 @@ from drivora_service.feedback.measurement import Feedback, FeedbackChoice, Measu
 from drivora_service.metrics import driving_score
 from drivora_service.metrics.built_in_metrics import measure
 from drivora_service.networks.catalogue import shipped_networks
-from drivora_service.observations import motion
+from drivora_service.observations import local_polynomials
 from drivora_service.observations.run_view import RunView
 from drivora_service.oracles import blocked
 from drivora_service.oracles.collision import Collision
@@ -167,10 +167,7 @@ CHANGES: Mapping[str, Callable[[], Change]] = {
         sys.modules["numpy._core.fromnumeric"], "_wrapfunc", max, "fromnumeric._wrapfunc"
     ),
     "a function behind the filters of motion": lambda: replaced(
-        inspect.getmodule(vars(motion)["signal"].savgol_filter),
-        "savgol_coeffs",
-        max,
-        "scipy.signal._savitzky_golay.savgol_coeffs",
+        local_polynomials, "correlate", max, "local_polynomials.correlate"
     ),
     "a function of math": lambda: replaced(math, "atan2", max, "math.atan2"),
     "a function of json": lambda: replaced(json, "dumps", repr, "json.dumps"),
