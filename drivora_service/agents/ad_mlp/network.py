@@ -8,6 +8,7 @@ import numpy as np
 
 from drivora_service.agents.imitation.waypoints import STEP_SCALE, WAYPOINTS
 from drivora_service.geometry.array_shapes import Float32Array
+from drivora_service.geometry.layers import product
 
 HIDDEN = 192
 
@@ -44,13 +45,13 @@ class AdMlpNetwork:
             seen: (112,) in the layout of ``view``.
         """
         w = self._weights
-        hidden = seen @ w.first
+        hidden = product(seen, w.first)
         hidden += w.first_bias
         np.maximum(hidden, 0.0, out=hidden)
-        hidden = hidden @ w.second
+        hidden = product(hidden, w.second)
         hidden += w.second_bias
         np.maximum(hidden, 0.0, out=hidden)
-        steps = hidden @ w.steps
+        steps = product(hidden, w.steps)
         steps += w.steps_bias
         points: Float32Array = steps.reshape(WAYPOINTS, 2).cumsum(axis=0, dtype=np.float32)
         points *= np.float32(STEP_SCALE)

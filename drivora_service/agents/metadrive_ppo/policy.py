@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from drivora_service.geometry.array_shapes import Float32Array
+from drivora_service.geometry.layers import product, tanh32
 
 OBSERVATION_SIZE = 275
 HIDDEN = 256
@@ -43,7 +42,7 @@ def expert_action(weights: ExpertWeights, observation: Float32Array) -> Float32A
     Returns:
         (2,) steering and throttle or brake, both intended for -1..1.
     """
-    hidden = np.tanh(observation @ weights.first + weights.first_bias)
-    hidden = np.tanh(hidden @ weights.second + weights.second_bias)
-    action: Float32Array = hidden @ weights.out + weights.out_bias
+    hidden = tanh32(product(observation, weights.first) + weights.first_bias)
+    hidden = tanh32(product(hidden, weights.second) + weights.second_bias)
+    action: Float32Array = product(hidden, weights.out) + weights.out_bias
     return action

@@ -17,6 +17,7 @@ from drivora_service.agents.imitation.way_view import EGO_SIZE, PIECE_SIZE, PIEC
 from drivora_service.agents.imitation.waypoints import STEP_SCALE, WAYPOINTS
 from drivora_service.agents.plant_lite.view import OBJECT_SIZE, OBJECTS, OBJECTS_AT
 from drivora_service.geometry.array_shapes import Float32Array
+from drivora_service.geometry.layers import exp32, product, products, tanh32
 
 WIDTH = 48
 HEADS = 4
@@ -102,25 +103,25 @@ class PlantNetwork:
         count = 1 + PIECES + int(others[:, 0].sum())
         tokens, heads, inner = self._tokens[:count], self._heads[:count], self._inner[:count]
         pieces = seen[EGO_SIZE:OBJECTS_AT].reshape(PIECES, PIECE_SIZE)
-        np.add(seen[:EGO_SIZE] @ w.ego, w.ego_bias, out=tokens[0])
-        np.add(pieces @ w.piece, w.piece_bias, out=tokens[1 : 1 + PIECES])
+        np.add(product(seen[:EGO_SIZE], w.ego), w.ego_bias, out=tokens[0])
+        np.add(product(pieces, w.piece), w.piece_bias, out=tokens[1 : 1 + PIECES])
         shown = others[: count - 1 - PIECES]
-        np.add(shown @ w.other, w.other_bias, out=tokens[1 + PIECES :])
+        np.add(product(shown, w.other), w.other_bias, out=tokens[1 + PIECES :])
         for layer in range(LAYERS):
             # Only the ego's token of the last layer is needed.
             if layer == LAYERS - 1:
                 wanted, inner = tokens[:1], inner[:1]
             else:
                 wanted = tokens
-            np.matmul(_normal(tokens, w.attend_norm[layer]), w.attend[layer], out=heads)
-            heads += w.attend_bias[layer]
+            given = product(_normal(tokens, w.attend_norm[layer]), w.attend[layer])
+            np.add(given, w.attend_bias[layer], out=heads)
             mixed = _attention(heads, len(wanted))
-            wanted += mixed @ w.join[layer]
+            wanted += product(mixed, w.join[layer])
             wanted += w.join_bias[layer]
-            np.matmul(_normal(wanted, w.think_norm[layer]), w.think[layer], out=inner)
-            inner += w.think_bias[layer]
+            given = product(_normal(wanted, w.think_norm[layer]), w.think[layer])
+            np.add(given, w.think_bias[layer], out=inner)
             np.maximum(inner, 0.0, out=inner)
-            wanted += inner @ w.conclude[layer]
+            wanted += product(inner, w.conclude[layer])
             wanted += w.conclude_bias[layer]
         last: Float32Array = _normal(tokens[:1], w.last_norm)[0]
         return last
@@ -130,13 +131,13 @@ class PlantNetwork:
         w, points = self._weights, self._waypoints
         at = np.zeros(2, dtype=np.float32)
         for k in range(WAYPOINTS):
-            given = at @ w.turn_to + w.turn_to_bias
-            kept = state @ w.keep + w.keep_bias
+            given = product(at, w.turn_to) + w.turn_to_bias
+            kept = product(state, w.keep) + w.keep_bias
             gates = _sigmoid(given[: 2 * WIDTH] + kept[: 2 * WIDTH])
             reset, update = gates[:WIDTH], gates[WIDTH:]
-            fresh = np.tanh(given[2 * WIDTH :] + reset * kept[2 * WIDTH :])
+            fresh = tanh32(given[2 * WIDTH :] + reset * kept[2 * WIDTH :])
             state = fresh + update * (state - fresh)
-            at = at + (state @ w.step + w.step_bias)
+            at = at + (product(state, w.step) + w.step_bias)
             np.multiply(at, np.float32(STEP_SCALE), out=points[k])
         return points
 
@@ -164,16 +165,16 @@ def _attention(heads: Float32Array, queries: int) -> Float32Array:
     ask = parts[:queries, 0].transpose(1, 0, 2)
     offer = parts[:, 1].transpose(1, 2, 0)
     value = parts[:, 2].transpose(1, 0, 2)
-    share: Float32Array = np.matmul(ask, offer)
+    share = products(ask, offer)
     share *= np.float32(1.0 / math.sqrt(WIDTH // HEADS))
     share -= share.max(axis=2, keepdims=True)
-    np.exp(share, out=share)
+    share = exp32(share)
     share /= share.sum(axis=2, keepdims=True)
-    mixed: Float32Array = np.matmul(share, value)
+    mixed = products(share, value)
     return mixed.transpose(1, 0, 2).reshape(queries, WIDTH)
 
 
 def _sigmoid(x: Float32Array) -> Float32Array:
     """Returns 1 / (1 + exp(-x)), without overflow."""
-    share: Float32Array = np.float32(0.5) * (np.float32(1.0) + np.tanh(np.float32(0.5) * x))
+    share: Float32Array = np.float32(0.5) * (np.float32(1.0) + tanh32(np.float32(0.5) * x))
     return share

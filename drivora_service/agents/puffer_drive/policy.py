@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.geometry.array_shapes import Float32Array
+from drivora_service.geometry.layers import product, tanh32
 
 EGO_SIZE = 6
 VEHICLES = 63
@@ -84,17 +85,17 @@ class DrivePolicy:
         kinds = road[:, -1].astype(np.int64)
         seen = np.concatenate(
             (
-                observation[:vehicles_at] @ w.ego + w.ego_bias,
-                (road[:, :-1] @ w.road + w.road_kinds[kinds]).max(axis=0),
-                (vehicles @ w.vehicle).max(axis=0) + w.vehicle_bias,
+                product(observation[:vehicles_at], w.ego) + w.ego_bias,
+                (product(road[:, :-1], w.road) + w.road_kinds[kinds]).max(axis=0),
+                product(vehicles, w.vehicle).max(axis=0) + w.vehicle_bias,
             )
         )
-        shared = np.maximum(_gelu(seen) @ w.shared + w.shared_bias, 0.0)
-        gates = np.concatenate((shared, self._hidden)) @ w.lstm + w.lstm_bias
+        shared = np.maximum(product(_gelu(seen), w.shared) + w.shared_bias, 0.0)
+        gates = product(np.concatenate((shared, self._hidden)), w.lstm) + w.lstm_bias
         write, keep, show = (_sigmoid(gates[k * HIDDEN : (k + 1) * HIDDEN]) for k in (0, 1, 3))
-        self._cell = keep * self._cell + write * np.tanh(gates[2 * HIDDEN : 3 * HIDDEN])
-        self._hidden = show * np.tanh(self._cell)
-        logits: Float32Array = self._hidden @ w.actor + w.actor_bias
+        self._cell = keep * self._cell + write * tanh32(gates[2 * HIDDEN : 3 * HIDDEN])
+        self._hidden = show * tanh32(self._cell)
+        logits: Float32Array = product(self._hidden, w.actor) + w.actor_bias
         return logits
 
 
@@ -109,5 +110,5 @@ def _gelu(x: Float32Array) -> Float32Array:
 
 def _sigmoid(x: Float32Array) -> Float32Array:
     """Returns 1 / (1 + exp(-x)), without overflow."""
-    share: Float32Array = np.float32(0.5) * (np.float32(1.0) + np.tanh(np.float32(0.5) * x))
+    share: Float32Array = np.float32(0.5) * (np.float32(1.0) + tanh32(np.float32(0.5) * x))
     return share
