@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from drivora_service.feedback.catalogue import FeedbackCatalogue
+from drivora_service.feedback.catalogue import BUILT_IN, FeedbackCatalogue
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.feedback.objective_descriptions import OBJECTIVES, law_objectives
 from drivora_service.metrics.built_in_metrics import all_measured
@@ -87,18 +87,9 @@ def test_every_metric_is_described_and_put_together_so() -> None:
 def test_every_objective_is_described() -> None:
     catalogue = FeedbackCatalogue()
     names = [
-        (name, objective)
-        for name in (
-            "general",
-            "avfuzzer",
-            "behavexplor",
-            "samota",
-            "doppeltest",
-            "drivefuzz",
-            "deepcollision",
-            "decictor",
-        )
-        for objective in catalogue.create(FeedbackChoice(name=name)).objectives
+        (plugin.name, objective)
+        for plugin in BUILT_IN
+        for objective in catalogue.create(FeedbackChoice(name=plugin.name)).objectives
     ]
     assert {name for name, _ in names} | {"lawbreaker"} == set(catalogue.names())
     assert [(told.feedback, told.name) for told in OBJECTIVES] == names
