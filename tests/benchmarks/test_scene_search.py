@@ -9,7 +9,7 @@ from benchmarks.scene_search.__main__ import STAGES, Ledger, is_wanted, of_laws
 from benchmarks.scene_search.counting import Counts
 from benchmarks.scene_search.laws import ShownWays, choose_scenes
 from benchmarks.scene_search.scenes import failing_scenes
-from drivora_service.cli.studies.study_commands import read_study_file
+from drivora_service.cli.studies.study_files import read_study_file
 
 
 @pytest.mark.parametrize("study", ["nine-methods", "nine-methods-sumo-krauss"])

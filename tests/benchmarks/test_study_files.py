@@ -14,7 +14,7 @@ from benchmarks.reference_scene import add_driven_paths
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_reading import read_campaign
 from drivora_service.campaigns.search.search_preparation import prepare_search
-from drivora_service.cli.studies.study_commands import read_study_file
+from drivora_service.cli.studies.study_files import read_study_file
 from drivora_service.studies.study_reading import read_study
 
 

@@ -44,10 +44,10 @@ def test_help_loads_neither_simulator_nor_compiler() -> None:
 
 def test_lists_and_runs_load_the_filters_of_motion_in_no_command() -> None:
     modules = (
-        "cli.running",
+        "cli.runs.file_running",
         "command_app",
         "oracles.built_in",
-        "metrics.built_in",
+        "metrics.built_in_metrics",
         "feedback.catalogue",
     )
     imports = "; ".join(f"import drivora_service.{module}" for module in modules)

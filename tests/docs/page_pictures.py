@@ -8,7 +8,7 @@ from pathlib import Path
 
 from benchmarks.page import WEB
 from drivora_service.cli.application.service_process import run_service
-from drivora_service.cli.studies.study_commands import read_study_file
+from drivora_service.cli.studies.study_files import read_study_file
 from drivora_service.client import Client
 from drivora_service.dashboard.build import node_program
 

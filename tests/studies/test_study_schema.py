@@ -9,7 +9,7 @@ import jsonschema
 import pytest
 import yaml
 
-from drivora_service.cli.studies.study_commands import read_study_file
+from drivora_service.cli.studies.study_files import read_study_file
 from drivora_service.scenario.scenario_schema import schema_directory
 from drivora_service.studies.study_schema import schema_path, schema_text, study_schema
 from tests.studies.example_study import study_content

@@ -17,30 +17,8 @@ from drivora_service.cli.terminal.options import (
     location,
 )
 from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
-from drivora_service.cli.terminal.output import (
-    JsonOption,
-    note,
-    print_prose,
-    print_shape,
-    print_table,
-)
+from drivora_service.cli.terminal.output import JsonOption, note, print_shape
 from drivora_service.errors import ConfigurationError
-from drivora_service.suites.paired.batch_comparison import BatchComparison
-from drivora_service.suites.paired.batch_comparison_text import (
-    FAILURE_COLUMNS,
-    FAILURES_OF_PAIR,
-    METRIC_COLUMNS,
-    describe_differences,
-    discordant_pairs,
-    failure_cells,
-    failure_rows,
-    how_to_read_failures,
-    how_to_read_metrics,
-    metric_cells,
-    pair_cells,
-    pair_columns,
-    sides,
-)
 
 if TYPE_CHECKING:
     from drivora_service.cli.batches.pair_running import SideOptions
@@ -52,42 +30,6 @@ if TYPE_CHECKING:
 _COUNTS = ("accountable", "at_fault", "any")
 _UNFINISHED = ("agent", "all", "none")
 _MAX_SEED = 2**31 - 1
-
-
-def print_batch_comparison(comparison: BatchComparison) -> None:
-    """Prints how things stand, then the tables."""
-    for name, line in sides(comparison):
-        print(f"{name}: {line}")
-    for line in describe_differences(comparison):
-        print(line)
-    print()
-    print_prose(comparison.sentence)
-    print()
-    for remark in comparison.notes:
-        print(f"note: {remark}")
-    for left in comparison.left_out:
-        print(f"left out: {left.scenario}, seed {left.seed}: {left.message}")
-    if not comparison.pairs:
-        return
-    print_table("Failures", FAILURE_COLUMNS, map(failure_cells, failure_rows(comparison)))
-    print_prose(how_to_read_failures(comparison))
-    measured = [row for row in comparison.metrics if row.difference]
-    equal = len(comparison.metrics) - len(measured)
-    print()
-    if measured:
-        print_table("Metrics", METRIC_COLUMNS, map(metric_cells, measured))
-        print_prose(how_to_read_metrics())
-    if equal:
-        print(f"Metrics that are equal in the mean, or not measurable: {equal}")
-    telling = discordant_pairs(comparison)
-    if telling:
-        print()
-        print_table(
-            "Pairs that tell A from B",
-            pair_columns(comparison),
-            (pair_cells(comparison, pair) for pair in telling),
-            wrap=(FAILURES_OF_PAIR,),
-        )
 
 
 def compare(
@@ -196,6 +138,8 @@ def _show(comparison: BatchComparison, out: Path | None, *, as_json: bool) -> No
     if as_json:
         print_shape(type(comparison), comparison)
     else:
+        from drivora_service.cli.batches.batch_output import print_batch_comparison
+
         print_batch_comparison(comparison)
     if out is not None:
         from drivora_service.suites.paired.batch_comparison_files import write_batch_comparison

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import groupby
 from pathlib import Path
 from typing import Annotated
 
@@ -16,61 +15,7 @@ from drivora_service.cli.terminal.options import (
     location,
 )
 from drivora_service.cli.terminal.out_option import check_file, check_folder, convert_write_errors
-from drivora_service.cli.terminal.output import (
-    JsonOption,
-    note,
-    print_shape,
-    print_table,
-    write_text,
-)
-from drivora_service.studies.accountable_counts import COLUMNS, accountable_rows
-from drivora_service.studies.comparison.campaign_comparison import Comparison
-from drivora_service.studies.comparison.campaign_comparison_text import (
-    a12,
-    describe_setting,
-    how_to_read,
-    probability,
-    value,
-)
-from drivora_service.studies.comparison.campaign_measures import Difference
-
-
-def print_comparison(comparison: Comparison) -> None:
-    """Prints a table a measure."""
-    for line in describe_setting(comparison):
-        print(line)
-    for remark in comparison.notes:
-        print(f"note: {remark}")
-    counts = accountable_rows(comparison.campaigns)
-    print_table(
-        "What the simulations came to",
-        COLUMNS[1:],
-        [row[1:] for row in counts],
-        headings=[row[0] for row in counts],
-    )
-    several = len(comparison.budgets) > 1
-    columns = ("method", "median", comparison.baseline, "A12 [95 %]", "p", "Holm", "judgement")
-    for _, same in groupby(comparison.differences, key=lambda row: row.measure):
-        rows = tuple(same)
-        better = "more" if rows[0].larger_is_better else "less"
-        print_table(
-            f"{rows[0].title} ({better} is better)",
-            (*(("scenario",) if several else ()), *columns),
-            (((row.scenario,) if several else ()) + _cells(row) for row in rows),
-        )
-    print(how_to_read(comparison))
-
-
-def _cells(row: Difference) -> tuple[str, ...]:
-    return (
-        row.method,
-        value(row.median),
-        value(row.baseline_median),
-        a12(row),
-        probability(row.p),
-        probability(row.p_holm),
-        row.judgement,
-    )
+from drivora_service.cli.terminal.output import JsonOption, note, print_shape, write_text
 
 
 def compare(
@@ -106,6 +51,8 @@ def compare(
     if as_json:
         print_shape(type(comparison), comparison)
     else:
+        from drivora_service.cli.campaigns.comparison_output import print_comparison
+
         print_comparison(comparison)
     if out is not None:
         from drivora_service.studies.comparison.campaign_comparison_files import write_comparison

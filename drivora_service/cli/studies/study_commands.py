@@ -9,7 +9,6 @@ import typer
 
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.cli.scenarios.listed_scenarios import ListFile, read_list_file
 from drivora_service.cli.terminal.error_printing import ErrorPrinter
 from drivora_service.cli.terminal.options import (
     DataDirOption,
@@ -23,7 +22,6 @@ from drivora_service.cli.terminal.options import (
 from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
 from drivora_service.cli.terminal.output import JsonOption, fail, note, print_json, print_shape
 from drivora_service.errors import ConfigurationError, InvalidDocument, ServiceError
-from drivora_service.store.campaigns.study_records import LONGEST_LABEL
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.studies import Study
@@ -37,16 +35,6 @@ IdArgument = Annotated[str, typer.Argument(metavar="ID", help="Id of a study.")]
 DetachOption = Annotated[
     bool, typer.Option("--detach", help="With --server: do not wait until it has ended.")
 ]
-
-
-def read_study_file(path: Path) -> ListFile:
-    """Reads a study file and the scenario files that it names.
-
-    Raises:
-        ConfigurationError: The file cannot be read.
-        InvalidDocument: It is no YAML or JSON, or a scenario file cannot be read.
-    """
-    return read_list_file(path, what="a study", name_key="label", longest_name=LONGEST_LABEL)
 
 
 @app.command()
@@ -233,6 +221,8 @@ def export(
 def _post_study(client: Client, file: Path) -> Study:
     """Posts a study file; prints what is wrong with it, each problem with its place."""
     import json
+
+    from drivora_service.cli.studies.study_files import read_study_file
 
     try:
         study = read_study_file(file)

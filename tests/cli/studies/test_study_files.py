@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from drivora_service.api.documentation.recorded_examples import SCENARIO
-from drivora_service.cli.studies.study_commands import read_study_file
+from drivora_service.cli.studies.study_files import read_study_file
 from drivora_service.errors import InvalidDocument, Problem
 
 
