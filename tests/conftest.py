@@ -96,8 +96,22 @@ _PRELOADED = (
     "drivora_service.cli.runs.file_running",
     "drivora_service.cli.campaigns.campaign_reports",
     "drivora_service.plotting.run_picture",
+    # What these import only when a service answers for the first time, or a command does its work;
+    # of a fork server, it is imported once and not by each.
+    "drivora_service.serving",
+    *(
+        f"drivora_service.api.routes.{path.stem}"
+        for path in sorted((ROOT / "drivora_service" / "api" / "routes").glob("[a-z]*.py"))
+    ),
+    "drivora_service.cli.campaigns.campaign_running",
+    "drivora_service.cli.runs.replay_running",
+    "anyio._backends._asyncio",
+    "pydantic.v1",
+    "uvicorn",
+    # By pyarrow, where it is installed.
+    "pandas",
 )
-"""Imports of workers and of commands."""
+"""Imports of workers, of commands and of services."""
 
 
 @pytest.fixture(scope="session", autouse=True)
