@@ -85,6 +85,9 @@ def _run_command(
     os.chdir(folder)
     os.environ.clear()
     os.environ.update(environment)
+    # As a process that is started has it; what it starts gets it from here.
+    added = environment.get("PYTHONPATH", "").split(os.pathsep)
+    sys.path[:0] = [path for path in added if path and path not in sys.path]
     for path, descriptor in ((out, 1), (err, 2)):
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         os.dup2(file, descriptor)

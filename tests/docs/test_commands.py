@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from tests.docs.blocks import Command, commands_of, installation_lines, missing_lines
+from tests.docs.forked_drivora import forked_drivora
 from tests.postgresql_server import PostgresqlServer
 
 _ROOT = Path(__file__).resolve().parents[2]
@@ -31,6 +32,9 @@ PAGES = sorted(
 )
 WITH_EXACT_NUMBERS = ("README.md", "docs/tutorial/first-run.md")
 """Pages whose numbers are results, and are compared digit by digit; ``…`` stands for others."""
+STARTED_BY_A_SHELL = (*WITH_EXACT_NUMBERS, "docs/how-to/use-a-cluster.md")
+"""Pages whose commands are started as users start them; those of others need fewer imports, see
+`tests/docs/forked_drivora.py`. Between them, they run, search, serve, judge, draw and compare."""
 WITH_POSTGRESQL = "docs/how-to/use-postgresql.md"
 """A page whose commands need a server, and its tools."""
 WITH_COMMANDS = [page for page in PAGES if commands_of((_ROOT / page).read_text())]
@@ -53,14 +57,25 @@ def test_commands_work_as_they_are_written(
     commands = commands_of((_ROOT / page).read_text())
     assert commands
     exact = page in WITH_EXACT_NUMBERS
-    for command, (code, printed) in zip(commands, run_page(commands, tmp_path), strict=True):
+    with contextlib.ExitStack() as stack:
+        programs = () if page in STARTED_BY_A_SHELL else (stack.enter_context(forked_drivora()),)
+        ended = list(run_page(commands, tmp_path, programs=programs))
+    for command, (code, printed) in zip(commands, ended, strict=True):
         assert (code != 0) == command.fails, f"$ {command.script}\n{printed}"
         missing = missing_lines(command.expected, printed, exact=exact)
         assert not missing, f"{missing}\n$ {command.script}\n{printed}"
 
 
-def run_page(commands: Sequence[Command], tmp_path: Path) -> Iterator[tuple[int, str]]:
-    """Runs the commands of a page in a folder of their own; yields exit codes and outputs."""
+def run_page(
+    commands: Sequence[Command], tmp_path: Path, *, programs: Sequence[Path] = ()
+) -> Iterator[tuple[int, str]]:
+    """Runs the commands of a page in a folder of their own; yields exit codes and outputs.
+
+    Args:
+        commands: The commands.
+        tmp_path: The folder is made in it.
+        programs: Folders whose programs come before all others.
+    """
     folder = tmp_path / "checkout"
     shutil.copytree(_FILES, folder)
     for name in ("openscenario_schemas", "sumo_nets", "deploy"):
@@ -71,9 +86,9 @@ def run_page(commands: Sequence[Command], tmp_path: Path) -> Iterator[tuple[int,
         text = command.script
         for written, port in ports.items():
             text = re.sub(rf"\b{written}\b", port, text)
-        script.append(f"{{\n{text}\n}} > {tmp_path}/{number}.out 2>&1")
+        script.append(f"{{\n{text}\n}} >> {tmp_path}/{number}.out 2>&1")
         script.append(f"echo $? > {tmp_path}/{number}.code")
-    _run("\n".join(script), folder, ports[_SERVICE_PORT])
+    _run("\n".join(script), folder, ports[_SERVICE_PORT], programs)
     for number in range(len(commands)):
         printed = (tmp_path / f"{number}.out").read_text()
         for written, port in ports.items():
@@ -92,12 +107,14 @@ def test_installation_names_targets_that_exist(page: str) -> None:
     assert named <= targets
 
 
-def _run(script: str, folder: Path, port: str) -> None:
+def _run(script: str, folder: Path, port: str, programs: Sequence[Path]) -> None:
     """Runs a script, and ends with it all that it started."""
     site = folder.parent / "site"
     environment = {
         **os.environ,
-        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+        "PATH": os.pathsep.join(
+            [*map(str, programs), str(Path(sys.executable).parent), os.environ["PATH"]]
+        ),
         "DRIVORA_PORT": port,
         "COLUMNS": "80",
         # Packages that a page installs must not reach the environment of the tests.
