@@ -13,6 +13,7 @@ from drivora_service.suites.suite import SuiteScenario
 from drivora_service.suites.suite_results import SuiteResults, SuiteRun, scenario_hash
 
 DOCUMENT = ScenarioDocument.model_validate(SCENARIO)
+_HASH = scenario_hash(DOCUMENT)
 
 
 def verdict(
@@ -70,7 +71,7 @@ def results_of(
         "agent": "idm",
         "size": len(names),
         "repetitions": repetitions or 1 + max(run.repetition for run in runs),
-        "scenarios": {name: scenario_hash(DOCUMENT) for name in names},
+        "scenarios": dict.fromkeys(names, _HASH),
         "runs": (),
     }
     return SuiteResults(**(values | changes)).with_runs(runs)
