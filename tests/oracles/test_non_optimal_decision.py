@@ -221,11 +221,15 @@ def leaving(s: float, speed: float) -> NpcVehicle:
     return NpcVehicle(id="leaving", model=CAR, route=route, behavior=NpcBehavior.REPLAY)
 
 
-@lru_cache(maxsize=1)
+@lru_cache
+def empty_road_path(agent: str) -> Floats:
+    """Returns the path of an agent on the empty road."""
+    return recorded_path(RunView(recorded(agent), network("highway")).egos[0])
+
+
 def drives() -> tuple[Trace, ...]:
     """Runs of an ego that overtakes or not, compared with its run on the empty road."""
-    empty = recorded("sumo-krauss")
-    path = recorded_path(RunView(empty, network("highway")).egos[0])
+    path = empty_road_path("sumo-krauss")
     random = np.random.default_rng(5)
     runs = [recorded("sumo-krauss", reference=path)]
     runs += [recorded("sumo-krauss", leaving(s, v), reference=path) for s, v in LEAVING]
@@ -299,22 +303,22 @@ def test_recorded_runs_are_judged_as_by_brute_force() -> None:
     assert outcomes == set(Outcome), "runs of each outcome were compared"
 
 
-@pytest.mark.slow(seconds=60)
+@pytest.mark.slow
 def test_an_ego_compared_with_itself_shares_all_of_its_path() -> None:
-    (verdict,) = NonOptimalDecision().judge(RunView(drives()[0], network("highway")))
+    again = recorded("sumo-krauss", reference=empty_road_path("sumo-krauss"))
+    (verdict,) = NonOptimalDecision().judge(RunView(again, network("highway")))
     assert verdict.outcome is Outcome.PASSED
     assert verdict.evidence["overlap"] == 1.0
     assert verdict.evidence["path_difference"] < 0.05
 
 
-@pytest.mark.slow(seconds=60)
+@pytest.mark.slow
 def test_only_the_driver_that_changes_lanes_leaves_a_path_that_is_really_free() -> None:
     """A vehicle ahead is slow, and leaves the lane before it is reached."""
     ahead = leaving(*LEAVING[0])
     told = {}
     for agent in ("sumo-krauss", "idm"):
-        empty = RunView(recorded(agent), network("highway"))
-        path = recorded_path(empty.egos[0])
+        path = empty_road_path(agent)
         run = recorded(agent, ahead, reference=path)
         (told[agent],) = NonOptimalDecision().judge(RunView(run, network("highway")))
         trajectory = path[:, :3].tolist()

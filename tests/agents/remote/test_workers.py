@@ -102,8 +102,8 @@ def test_the_example_drives_the_same_twice_and_on_two_workers(agents: Path) -> N
     wait_until(lambda: left_behind(agents) == [])
 
 
-@pytest.mark.slow(seconds=40)
-def test_a_hundred_failing_runs_leave_nothing_behind(agents: Path) -> None:
+@pytest.mark.slow(seconds=20)
+def test_many_failing_runs_leave_nothing_behind(agents: Path) -> None:
     causes = {
         "dies": "agent_died",
         "hangs": "agent_hung",
@@ -115,7 +115,7 @@ def test_a_hundred_failing_runs_leave_nothing_behind(agents: Path) -> None:
         add_agent(agents, what, step=1.0 if what == "hangs" else 20.0)
     add_agent(agents, "drives")
     # A good run after every five bad ones, on slots that take turns.
-    order = [what for _ in range(20) for what in (*causes, "drives")]
+    order = [what for _ in range(8) for what in (*causes, "drives")]
     specs = specs_of(one_ego(what) for what in order)
     open_before = psutil.Process().num_fds()
     # The service that other tests share, if one of them came before.
@@ -123,7 +123,7 @@ def test_a_hundred_failing_runs_leave_nothing_behind(agents: Path) -> None:
     with executor(agents, 2) as workers:
         reports: dict[str, RunReport] = {r.run_id: r for r in run_all(workers, specs)}
         slots = workers.slots()
-    assert len(reports) == 120
+    assert len(reports) == 48
     for spec, what in zip(specs, order, strict=True):
         report = reports[spec.run_id]
         if what == "drives":

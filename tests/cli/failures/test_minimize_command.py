@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import sqlite3
-import subprocess
-import sys
 import time
 from contextlib import closing
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import Any
 import pytest
 
 from tests.cli.conftest import Drivora, Ended
+from tests.command_process import Begun, begin
 from tests.suites.minimization.crowded_crash import ONLY_NEEDED, crowded_crash
 
 
@@ -90,36 +90,47 @@ def test_what_cannot_be_minimised(drivora: Drivora, run_id: str) -> None:
     assert "--out" in refused(run_id, "--out", "/proc/none/smaller").err
 
 
-def started(data: Path, run: str) -> tuple[subprocess.Popen[str], str]:
-    """Starts the command; returns it, and the id that it prints, once a simulation has ended."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "drivora_service.cli", "minimize", run, "--data-dir", str(data)],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
+def begun(data: Path, run: str, log: Path, more_than: int) -> tuple[Begun, str]:
+    """Begins the command; returns it, and the id that it prints, once it has simulated more."""
+    process = begin(
+        *("minimize", run, "--data-dir", data),
+        folder=log.parent,
+        environment=dict(os.environ),
+        out=log,
+        err=log,
     )
-    assert process.stderr is not None
-    minimization = process.stderr.readline().split()[-1]
+    until = time.monotonic() + 120.0
+    while True:
+        first, ended, _ = (log.read_text() if log.exists() else "").partition("\n")
+        if ended and simulations(data, first.split()[-1]) > more_than:
+            return process, first.split()[-1]
+        assert time.monotonic() < until
+        time.sleep(0.01)
+
+
+def simulations(data: Path, minimization: str) -> int:
+    """Returns how many simulations a stored minimisation has."""
+    query = "SELECT json_extract(progress, '$.simulations') FROM minimizations WHERE id = ?"
     with closing(sqlite3.connect(data / "drivora.sqlite3")) as connection:
-        query = "SELECT json_extract(progress, '$.simulations') FROM minimizations WHERE id = ?"
-        until = time.monotonic() + 60.0
-        while connection.execute(query, [minimization]).fetchone()[0] < 3:
-            assert time.monotonic() < until
-            time.sleep(0.01)
-    return process, minimization
+        return int(connection.execute(query, [minimization]).fetchone()[0])
 
 
-@pytest.mark.slow(seconds=60)
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 3), (signal.SIGKILL, -9)])
+@pytest.mark.slow(seconds=40)
 def test_the_same_command_goes_on_where_one_was_ended(
-    drivora: Drivora, run_id: str, tmp_path: Path, number: signal.Signals, code: int
+    drivora: Drivora, run_id: str, tmp_path: Path
 ) -> None:
+    """Interrupted at first, and killed later on."""
     data = tmp_path / "data"
-    process, minimization = started(data, run_id)
-    process.send_signal(number)
-    _, printed = process.communicate(timeout=60)
-    assert process.returncode == code
-    assert number is signal.SIGKILL or "the same command goes on" in printed
+    process, minimization = begun(data, run_id, tmp_path / "first.log", 2)
+    process.send_signal(signal.SIGTERM)
+    assert process.wait(60.0) == 3
+    assert "the same command goes on" in (tmp_path / "first.log").read_text()
+    told = simulations(data, minimization)
+    process, again_id = begun(data, run_id, tmp_path / "second.log", told)
+    process.send_signal(signal.SIGKILL)
+    assert process.wait(60.0) == -signal.SIGKILL
+    assert again_id == minimization
+    assert simulations(data, minimization) > told > 2
     ended = drivora("minimize", run_id, "--json")
     assert ended.code == 0, ended.err
     again = ended.json()
