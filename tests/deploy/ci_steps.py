@@ -89,7 +89,12 @@ def machine(checkout: Path, temp: Path) -> Iterator[Machine]:
 
 
 def run_action(
-    job: Machine, action: Path, inputs: Mapping[str, str], *, skipped: Collection[str] = ()
+    job: Machine,
+    action: Path,
+    inputs: Mapping[str, str],
+    *,
+    skipped: Collection[str] = (),
+    only: Collection[str] = (),
 ) -> int:
     """Runs a composite action of GitHub; returns the exit code of its first step that fails.
 
@@ -98,6 +103,7 @@ def run_action(
         action: Folder of ``action.yml``.
         inputs: Given inputs; the others have their defaults.
         skipped: Names of steps that are not run.
+        only: Names of the steps that are run; empty: all others.
     """
     content = yaml.safe_load((action / "action.yml").read_text())
     given = {name: one.get("default", "") for name, one in content["inputs"].items()}
@@ -107,7 +113,9 @@ def run_action(
     values = {**given, **inputs}
     failed = 0
     for step in content["runs"]["steps"]:
-        if step["name"] in skipped or not _is_wanted(step.get("if", ""), values, failed):
+        if step["name"] in skipped or (only and step["name"] not in only):
+            continue
+        if not _is_wanted(step.get("if", ""), values, failed):
             continue
         if "uses" in step:
             _upload(job, step, values)

@@ -139,7 +139,7 @@ def test_a_user_needs_no_checkout(installation: Installation, repository: Path) 
     assert (installation.folder / "results" / "walker-behind-van.trace.parquet").is_file()
     assert "smoke" in installation.run("suite", "list", "smoke")
 
-    demo = installation.run("demo", "--num", "2", "--simulations", "40")
+    demo = installation.run("demo", "--num", "2", "--simulations", "8")
     assert "2 of 2 runs judged" in demo
 
     with installation.serving() as url:
