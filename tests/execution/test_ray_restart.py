@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
+from unittest import mock
 
 import psutil
 import pytest
@@ -58,6 +59,11 @@ def token(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def address() -> str:
+    return free_address()
+
+
+def free_address() -> str:
+    """Returns an address at which nothing listens."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return f"127.0.0.1:{probe.getsockname()[1]}"
@@ -167,34 +173,40 @@ def test_runs_are_performed_again_after_the_head_was_started_again(
         until(lambda: len(raylets(*others)) == 2, within_s=_LONG_S)
 
 
-@pytest.mark.slow(seconds=60)
-def test_a_machine_that_is_no_node_is_told_to_become_one(
-    address: str, folder: Path, tmp_path: Path
-) -> None:
+@pytest.fixture(scope="module")
+def guarded() -> Iterator[str]:
+    """The address of a head that only processes with a token can use."""
+    address = free_address()
+    with (
+        tempfile.TemporaryDirectory(prefix="ray-", ignore_cleanup_errors=True) as path,
+        mock.patch.dict(os.environ, _TOKEN),
+        supervised_node(*head(address), folder=Path(path)),
+    ):
+        yield address
+
+
+@pytest.mark.slow(seconds=15)
+def test_a_machine_that_is_no_node_is_told_to_become_one(guarded: str, tmp_path: Path) -> None:
     if subprocess.run([*_ALONE, "true"], capture_output=True, check=False).returncode:
         pytest.skip("this system gives no namespace of processes")
-    with supervised_node(*head(address), folder=folder):
-        fault = fault_of(address, tmp_path, *_ALONE)
-    assert fault == (
-        f"the Ray cluster at {address} answers, but this machine is no node of it: run "
-        f"`ray start --address={address} --num-cpus=0` here"
+    assert fault_of(guarded, tmp_path, *_ALONE, **_TOKEN) == (
+        f"the Ray cluster at {guarded} answers, but this machine is no node of it: run "
+        f"`ray start --address={guarded} --num-cpus=0` here"
     )
 
 
-@pytest.mark.slow(seconds=60)
-@pytest.mark.usefixtures("token")
+@pytest.mark.slow(seconds=15)
 def test_a_process_without_the_token_of_a_cluster_cannot_use_it(
-    address: str, folder: Path, tmp_path: Path
+    guarded: str, tmp_path: Path
 ) -> None:
     wrong = {**_TOKEN, "RAY_AUTH_TOKEN": "0bad" * 16}
     # Nor is there one in a file that Ray looks at.
-    none = {"RAY_AUTH_MODE": "token", "HOME": str(folder)}
-    with supervised_node(*head(address), folder=folder):
-        for environment in ({}, wrong, none):
-            assert fault_of(address, tmp_path, **environment) == (
-                f"the Ray cluster at {address} cannot be used: its token is missing or wrong; set "
-                "RAY_AUTH_MODE=token and the same RAY_AUTH_TOKEN as on its nodes"
-            )
+    none = {"RAY_AUTH_MODE": "token", "HOME": str(tmp_path)}
+    for environment in ({}, wrong, none):
+        assert fault_of(guarded, tmp_path, **environment) == (
+            f"the Ray cluster at {guarded} cannot be used: its token is missing or wrong; set "
+            "RAY_AUTH_MODE=token and the same RAY_AUTH_TOKEN as on its nodes"
+        )
 
 
 def test_what_ray_does_not_explain_names_both_causes() -> None:
