@@ -16,8 +16,6 @@ from tests.campaigns.analytic import sequence
 from tests.cli.campaigns.test_campaign_commands import begin_campaign, evaluations, wait_until_told
 from tests.cli.conftest import Drivora
 
-SIMULATIONS = 48
-
 MOTORWAY = "late-braking"
 JUNCTION = "side-collision"
 
@@ -30,11 +28,13 @@ class Search:
         campaign: The shipped campaign that is changed.
         origins: Candidates of each of these must occur.
         parameters: Of the method.
+        simulations: The budget.
     """
 
     campaign: str = MOTORWAY
     origins: frozenset[str]
     parameters: dict[str, Any] = field(default_factory=dict)
+    simulations: int = 28
 
 
 METHODS = {
@@ -43,6 +43,7 @@ METHODS = {
     "avfuzzer": Search(
         origins=frozenset({"initial", "mutation", "crossover", "restart", "local mutation"}),
         parameters={"stall": 1, "local_after": 0, "local_generations": 1},
+        simulations=48,
     ),
     # Seeds soon count as exhausted.
     "behavexplor": Search(
@@ -82,7 +83,7 @@ def campaign_of(method: str, folder: Path) -> Path:
     if method == "decictor":
         document["space"] |= {"optional": True, "behavior": "replay"}
         document["oracles"] = ["collision", "non_optimal_decision"]
-    document["budget"] = {"simulations": SIMULATIONS}
+    document["budget"] = {"simulations": search.simulations}
     path = folder / f"{method}.yaml"
     path.write_text(yaml.safe_dump(document))
     return path
@@ -92,7 +93,7 @@ def result_of(method: str, folder: Path, drivora: Drivora, campaign_id: str) -> 
     """Returns the evaluations and the failures of a campaign of a method."""
     shown = drivora("campaign", "show", campaign_id, "--json").json()
     assert shown["state"] == "finished"
-    assert shown["simulations"] == SIMULATIONS
+    assert shown["simulations"] == METHODS[method].simulations
     records = evaluations(folder, campaign_id)
     assert METHODS[method].origins <= {record.proposal.origin for record in records}
     traces = [record.report.trace_sha256 for record in records]
@@ -108,7 +109,7 @@ def by_way(method: str, folder: Path, drivora: Drivora) -> dict[str, tuple[objec
     campaign_id = wait_until_told(folder, process, 0)
     process.kill()
     told = len(evaluations(folder, campaign_id))
-    assert 0 < told < SIMULATIONS
+    assert 0 < told < METHODS[method].simulations
     process = begin_campaign(folder, "resume", campaign_id, "--workers", "2")
     wait_until_told(folder, process, told)
     process.kill()

@@ -13,7 +13,7 @@ from tests.campaigns.analytic import sequence
 from tests.cli.campaigns.test_campaign_commands import begin_campaign, evaluations, wait_until_told
 from tests.cli.conftest import Drivora
 
-SIMULATIONS = 24
+SIMULATIONS = 12
 
 
 def campaign_of(method: str, space: dict[str, object], folder: Path) -> Path:

@@ -34,8 +34,9 @@ budget: {simulations: 20}
 workers: 2
 """
 
-# They start a command with workers, whose campaigns fit models.
-pytestmark = pytest.mark.slow(seconds=40)
+# They start a command with workers, whose campaigns fit models. Below twenty seconds each, they go
+# to one process of the tests, which makes the study once.
+pytestmark = pytest.mark.slow(seconds=15)
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,7 @@ pytestmark = pytest.mark.slow(seconds=10)
 
 TESTERS = ("random", "avfuzzer")
 KILLS = 2
-SIMULATIONS = 60
+SIMULATIONS = 32
 _LONG_S = 240.0
 
 

@@ -97,7 +97,7 @@ def test_a_killed_service_loses_nothing_and_its_dump_is_restored(
 
 @pytest.mark.slow(seconds=40)
 def test_a_campaign_goes_on_after_its_service_was_killed(url: str, tmp_path: Path) -> None:
-    data, simulations = tmp_path / "data", 40
+    data, simulations = tmp_path / "data", 24
     content = {
         "name": "tee",
         "tester": {"name": "avfuzzer"},

@@ -27,14 +27,14 @@ from tests.postgresql_server import PostgresqlServer
 _LONGEST_S = 120.0
 
 
-@pytest.mark.slow(seconds=60)
+@pytest.mark.slow(seconds=40)
 def test_what_killed_servers_leave_is_done_by_the_others_and_judged_once(
     postgresql: PostgresqlServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # `measure` sets it.
     monkeypatch.setenv("DRIVORA_DATABASE_URL", os.environ.get("DRIVORA_DATABASE_URL", ""))
     url = postgresql.create(migrated=False)
-    plan = Plan(runs=300, batch=100, simulations=60, kill_every_s=3.0, down_s=4.0)
+    plan = Plan(runs=150, batch=50, simulations=30, kill_every_s=3.0, down_s=4.0)
     outcome = measure(url, tmp_path, plan)
     database = open_database(url)
     contradictions = list(verify(database, TraceFolder(tmp_path / "traces")))
