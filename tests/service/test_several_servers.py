@@ -94,10 +94,18 @@ def service_that_hangs(data: Path) -> Iterator[tuple[str, psutil.Process, psutil
     try:
         address = wait_until_ready(begun, data)
         (logs,) = data.rglob("workers")
+        # One that still gets ready is given no run.
+        wait_until(lambda: slot_states(address) == ["idle"])
         wait_until(lambda: len(processes.workers(logs)) == 1)
         yield address, psutil.Process(begun.process.pid), processes.workers(logs)[0]
     finally:
         begun.kill()
+
+
+def slot_states(address: str) -> list[str]:
+    """Returns what the workers of a service do."""
+    answer = httpx.get(f"{address}/api/v1/workers").raise_for_status()
+    return [slot["state"] for slot in answer.json()["slots"]]
 
 
 def posted(address: str) -> str:
