@@ -29,6 +29,7 @@ from tests.deploy.ci_steps import (
     run_action,
     run_gitlab_job,
 )
+from tests.deploy.machine_code import copy_machine_code
 
 _SCHEMAS = {
     "github/gate/action.yml": ("vendor.github-actions",),
@@ -207,20 +208,6 @@ def test_the_gitlab_jobs(
     search = {"DRIVORA_CAMPAIGNS": "suites/campaign.yaml", "DRIVORA_SUITE": "suites/found"}
     assert run_gitlab_job(job, template, ".drivora-search", search) == 0, job.printed
     check_patch(job, tmp_path, 1)
-
-
-def copy_machine_code(package: Path, installed: Path) -> None:
-    """Copies the machine code of the checkout, if there is any, to an installed package.
-
-    It is valid for files that have the same content and are as old.
-    """
-    for code in package.rglob("__pycache__/*.nb[ci]"):
-        shutil.copy(code, installed / code.relative_to(package).parent)
-    for source in package.rglob("*.py"):
-        target = installed / source.relative_to(package)
-        if target.is_file():
-            assert target.read_bytes() == source.read_bytes()
-            shutil.copystat(source, target)
 
 
 def check_patch(job: Machine, tmp_path: Path, least: int) -> None:

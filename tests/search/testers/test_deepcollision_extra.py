@@ -33,16 +33,16 @@ TESTS = (
 def test_what_needs_the_extra_passes_with_it(repository: Path, tmp_path: Path) -> None:
     project = tomllib.loads((repository / "pyproject.toml").read_text())["project"]
     environment = tmp_path / "environment"
-    venv.create(environment, with_pip=True)
+    venv.create(environment)
     python = environment / "bin" / "python"
     (packages,) = environment.glob("lib/python*/site-packages")
     base = sysconfig.get_path("purelib")
     (packages / "base.pth").write_text(f"import site; site.addsitedir({base!r})\n")
     subprocess.run(
         [
-            python, "-m", "pip", "install", "--quiet", "--no-input", "--disable-pip-version-check",
-            # Thousands of modules, of which the tests import a few.
-            "--no-compile",
+            sys.executable, "-m", "uv", "pip", "install", "--quiet", "--python", python,
+            # It does not see the packages of this environment: it installs the same versions.
+            "--constraints", repository / "requirements" / "dev.txt",
             *project["optional-dependencies"]["adversary"],
         ],
         check=True,
