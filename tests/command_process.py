@@ -11,6 +11,9 @@ from multiprocessing import forkserver
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
+from unittest import mock
+
+import typer.main
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,8 +97,10 @@ def _run_command(
         os.close(file)
     sys.argv = ["drivora", *arguments]
     from drivora_service.cli.main import app
+    from tests.built_commands import COMMANDS
 
-    app()
+    with mock.patch.object(typer.main, "get_command", return_value=COMMANDS):
+        app()
 
 
 def _use_fork_server(address: str) -> None:

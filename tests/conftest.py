@@ -93,6 +93,7 @@ _PRELOADED = (
     "drivora_service.command_app",
     "drivora_service.client",
     "drivora_service.cli.main",
+    "tests.built_commands",
     "drivora_service.cli.runs.file_running",
     "drivora_service.cli.campaigns.campaign_reports",
     "drivora_service.plotting.run_picture",
