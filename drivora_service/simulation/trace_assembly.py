@@ -70,24 +70,33 @@ class Record:
 
 
 def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
-    """Builds the trace of a finished episode."""
+    """Returns the trace of an episode so far; of an unfinished one, with copies of its frames.
+
+    What the step loop does not need is computed here for all rows at once: the lanes of the egos
+    and the states of the signals.
+    """
     rows = record.last_step + 1
     dt = plan.scenario.step_length
     times: FloatArray = np.arange(rows, dtype=np.float64) * dt
+    # A copy, always: the columns of the lane are filled in here.
     values = world.ego_values[:rows].copy()
     lanes = np.full((rows, world.ego_count), -1, dtype=np.int32)
     for m in range(world.ego_count):
+        # An ego that has arrived leaves the world, and has no lane from then on.
         here = np.flatnonzero(world.present[:rows, m])
         states = world.states[here, m]
         found = project_points(plan.network, states[:, :2].copy(), states[:, Col.YAW].copy())
         on_lane = found.lane >= 0
         lanes[here, m] = found.lane
+        # Off all lanes the index is -1, which takes any lane's limit: it is discarded.
         limits = _speed_limits(plan.network)
         values[here, m, EgoCol.SPEED_LIMIT] = np.where(on_lane, limits[found.lane], np.nan)
         values[here, m, EgoCol.LANE_LATERAL] = np.where(on_lane, found.lateral, np.nan)
         values[here, m, EgoCol.LANE_HEADING] = np.where(on_lane, found.heading, np.nan)
 
     def copy_unless_over(frames: NDArray[_Item]) -> NDArray[_Item]:
+        # The frames are most of the memory of a run: copied only if a step may follow, which writes
+        # the commands of the last row too.
         return frames if record.is_over else frames.copy()
 
     names: list[str] = []
@@ -98,6 +107,7 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
         cycle = (program.offset, program.ends.tobytes())
         if cycle not in stages:
             stages[cycle] = program.phase_at(times)
+        # From the stages of this programme to the names of all: programmes share most states.
         index = []
         for phase in program.phases:
             if phase.state not in names:
@@ -126,6 +136,7 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
             for ego in plan.egos
         ),
         ego_start_times=tuple(ego.ego.start_time for ego in plan.egos),
+        # An unfinished episode is a run that was cut off at its last row.
         ego_ends=tuple(end.event or TerminalEvent.TIME_LIMIT for end in record.endings),
         ego_end_steps=tuple(
             end.step if end.event is not None else record.last_step for end in record.endings
@@ -134,6 +145,8 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
         light_ids=tuple(program.id for program in plan.programs),
         light_states=light_states,
         light_state_names=tuple(names),
+        # Indices are those of this network's reader; ids outlast it. Those of other lanes, of which
+        # a large network has thousands, are not recorded.
         lane_ids={
             index: plan.network.lanes[index].id for index in np.unique(lanes).tolist() if index >= 0
         },
@@ -144,6 +157,7 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
             for m, log in enumerate(record.logs)
             for step, message in log.events
         ),
+        # Logs are by ego; a reader goes through the plans step by step.
         plans=tuple(
             sorted(
                 (
@@ -157,6 +171,7 @@ def assemble_trace(plan: EpisodePlan, world: World, record: Record) -> Trace:
         references=_references(plan.scenario.ego_vehicles),
         privileged=record.privileged,
         max_sim_time=plan.max_sim_time,
+        # A key of what the run does not have is left out, as in traces that are older than the key.
         meta={
             "seed": plan.scenario.seed,
             FRICTION: plan.weather.friction,
