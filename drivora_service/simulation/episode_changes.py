@@ -86,7 +86,7 @@ class Changes:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        """Begins with the changes of a scenario."""
+        """Args: scenario: The scenario whose changes are all still to be made."""
         self.scenario = scenario
         self._done = -1
         self._settle()

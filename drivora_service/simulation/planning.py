@@ -35,7 +35,7 @@ TIME_TO_START = 5.0
 
 
 def plan_episode(scenario: Scenario, network: RoadNetwork) -> EpisodePlan:
-    """Prepares an episode; actors that join it are prepared when they do.
+    """Returns the plan of an episode; actors that join it are planned when they do.
 
     Raises:
         NoRoute: If there is no route for an actor; validation rules that out.

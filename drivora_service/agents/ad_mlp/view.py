@@ -53,7 +53,7 @@ class AdMlpView:
         self._frames = self.seen[FRAMES_AT:-2].reshape(FRAMES, FRAME_SIZE)
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares the way and clears the past."""
+        """Finds the way of a run and clears the past."""
         self._way = WayView(context)
         self._apart = max(round(_INTERVAL / context.step_length), 1)
         self._past = np.zeros((FRAMES * self._apart + 1, 4))

@@ -23,7 +23,7 @@ class View(Protocol):
     seen: Float32Array
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares for a run."""
+        """Resets the state; called once, before the first step of a run."""
         ...
 
     def follow(self, observation: Observation) -> None:
@@ -57,7 +57,7 @@ class WaypointAgent:
         self._network = network
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares for a run."""
+        """Resets the view, and lets the network decide in the first step."""
         self._view.setup_env(context)
         self._wheelbase = context.model.wheelbase
         self._max_braking = min(context.model.max_deceleration, 9.81 * context.friction)
@@ -67,7 +67,7 @@ class WaypointAgent:
         self._log.declare(*(f"waypoint_{k}_{axis}" for k in range(WAYPOINTS) for axis in "xy"))
 
     def run_step(self, observation: Observation) -> AccelerationControl:
-        """Drives."""
+        """Returns the control towards the network's waypoints, which are renewed when due."""
         self._view.follow(observation)
         if observation.time > self._next_decision - 1e-6:
             self._next_decision = observation.time + _PERIOD

@@ -53,7 +53,7 @@ class MetaDriveAgent:
         self._weights = weights
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares the road and the checkpoints along the route."""
+        """Finds the road and the checkpoints along the route."""
         self._corridor = find_corridor(context.network, context.route)
         self._checkpoints = find_checkpoints(self._corridor)
         self._wheelbase = context.model.wheelbase
@@ -66,7 +66,7 @@ class MetaDriveAgent:
         self._log.declare("steering", "throttle", "checkpoint_distance")
 
     def run_step(self, observation: Observation) -> AccelerationControl:
-        """Drives."""
+        """Returns the control of the policy's last decision, which is renewed when due."""
         if observation.time > self._next_decision - 1e-6:
             self._next_decision = observation.time + _PERIOD
             self._decide(observation)

@@ -57,7 +57,7 @@ class PlantView:
         self._others = self.seen[OBJECTS_AT:].reshape(OBJECTS, OBJECT_SIZE)
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares the way."""
+        """Finds the way of a run."""
         self._way = WayView(context)
 
     def follow(self, observation: Observation) -> None:

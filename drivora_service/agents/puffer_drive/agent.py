@@ -77,7 +77,7 @@ class PufferDriveAgent:
         self._log.declare("acceleration", "steering", "goal_x", "goal_y")
 
     def run_step(self, observation: Observation) -> PoseControl:
-        """Drives."""
+        """Returns the next pose by the policy's last decision, which is renewed when due."""
         if observation.time > self._next_decision - 1e-6:
             self._next_decision = observation.time + _PERIOD
             self._decide(observation)

@@ -42,7 +42,7 @@ class RemoteAgent:
         self._room = _LOG_CHARACTERS
 
     def setup_env(self, context: AgentContext) -> None:
-        """Begins a run.
+        """Sends the context of a run to the ADS, and declares the columns of its log.
 
         Raises:
             AgentError: The ADS failed, died, hung or answered garbage.

@@ -53,11 +53,11 @@ class Connection:
         return _parse(pb.Description, self._describe(request, timeout=timeout, wait_for_ready=True))
 
     def setup(self, request: pb.SetupRequest, timeout: float) -> pb.SetupReply:
-        """Begins a run; raises as :meth:`describe`."""
+        """Returns the answer to the beginning of a run; raises as :meth:`describe`."""
         return _parse(pb.SetupReply, self._setup(request.SerializeToString(), timeout=timeout))
 
     def step(self, request: pb.StepRequest, timeout: float) -> pb.StepReply:
-        """Requests a control; raises as :meth:`describe`."""
+        """Returns the answer to an observation, a control; raises as :meth:`describe`."""
         return _parse(pb.StepReply, self._step(request.SerializeToString(), timeout=timeout))
 
     def close(self) -> None:

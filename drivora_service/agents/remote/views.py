@@ -127,7 +127,7 @@ class Adapter(Protocol):
     """An ADS behind the protocol; the same two calls as in process."""
 
     def setup_env(self, context: ContextView) -> None:
-        """Prepares for a run; called before the first step of every run."""
+        """Sets up a run; called before the first step of every run."""
         ...
 
     def run_step(self, observation: Observation) -> Control:

@@ -39,7 +39,7 @@ class ScriptedAgent:
         self._route_arc: FloatArray | None = None
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares the curve through the places."""
+        """Computes the curve through the places of the trajectory; without one, takes the route."""
         # Imported here, so that workers with other agents start without it.
         from scipy.interpolate import PchipInterpolator
 

@@ -110,7 +110,7 @@ def build_path(
     is_vehicle: bool,
     plan: PathPlan | None = None,
 ) -> FollowerPath:
-    """Prepares a path for following.
+    """Returns the path along a line, with the speed at each of its points.
 
     Args:
         line: (k, 2) polyline through the waypoints, metres.

@@ -118,7 +118,7 @@ def _along_lanes(
 def plan_npc(
     npc: NpcVehicle, network: RoadNetwork, friction: float, patches: tuple[PatchPlan, ...] = ()
 ) -> FollowerPlan:
-    """Prepares a replayed or reactive NPC vehicle."""
+    """Returns the path and speeds of a replayed or reactive NPC vehicle."""
     model = actor_model(ActorKind.VEHICLE, npc.model)
     is_parked = len(npc.route) == 1
     plan = None if is_parked else _path_plan(npc)
@@ -200,7 +200,7 @@ def _on_patches(
 
 @lru_cache(maxsize=1024)
 def plan_walker(walker: NpcWalker, network: RoadNetwork) -> FollowerPlan:
-    """Prepares a walker."""
+    """Returns the path and speeds of a walker: straight from waypoint to waypoint."""
     model = replace(
         actor_model(ActorKind.WALKER, walker.model),
         max_acceleration=WALKING_ACCELERATION,
@@ -230,7 +230,7 @@ def plan_walker(walker: NpcWalker, network: RoadNetwork) -> FollowerPlan:
 
 
 def plan_driven(npc: NpcVehicle, network: RoadNetwork) -> DrivenPlan:
-    """Prepares an NPC vehicle that SUMO drives."""
+    """Returns the route of an NPC vehicle that SUMO drives, and where it enters and arrives."""
     model = actor_model(ActorKind.VEHICLE, npc.model)
     route = plan_route(network, route_points(npc.route))
     first, last = (network.lanes[int(lane)] for lane in route.point_lanes[[0, -1]])

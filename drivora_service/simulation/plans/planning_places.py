@@ -13,7 +13,7 @@ from drivora_service.simulation.plans.episode_plan import ObstaclePlan, PatchPla
 
 
 def plan_patch(patch: FrictionPatch, network: RoadNetwork) -> PatchPlan:
-    """Prepares a slippery patch."""
+    """Returns a slippery patch with its height and heading on the network."""
     yaw = patch_yaw(patch, network)
     place = patch.location
     return PatchPlan(
@@ -29,7 +29,7 @@ def plan_patch(patch: FrictionPatch, network: RoadNetwork) -> PatchPlan:
 
 
 def plan_obstacle(obstacle: NpcObstacle, network: RoadNetwork) -> ObstaclePlan:
-    """Prepares a static object."""
+    """Returns a static object with its size, its pose and the nearest edge."""
     model = actor_model(ActorKind.OBSTACLE, obstacle.model)
     place = obstacle.location
     yaw = place.yaw

@@ -58,7 +58,7 @@ class DiluAdapter:
         self._experiences = read_experiences()
 
     def setup_env(self, context: ContextView) -> None:
-        """Begins a run, with the shipped memory.
+        """Makes the driver of a run, with the shipped memory.
 
         Raises:
             ValueError: The document's parameters are invalid for this agent.

@@ -65,7 +65,7 @@ class FrenetixAdapter:
     """Samples in every step."""
 
     def setup_env(self, context: ContextView) -> None:
-        """Prepares reference, road and constraints."""
+        """Computes the reference and the road of a route, and sets the constraints."""
         self._context = context
         vehicle = context.vehicle
         self._half_base = 0.5 * vehicle.wheelbase

@@ -46,7 +46,7 @@ class Observer:
     """Makes the observations of a run."""
 
     def __init__(self, context: ContextView, goal_ahead: float) -> None:
-        """Prepares the lanes of the route.
+        """Finds the lanes and the ways along the route.
 
         Args:
             context: Context of the run.
