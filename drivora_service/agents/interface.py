@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Any, NamedTuple, Protocol
 
 from drivora_service.agents.log import AgentLog
@@ -45,6 +46,14 @@ class AgentContext:
     log: AgentLog
 
 
+class ObjectKind(IntEnum):
+    """The kind of a perceived actor."""
+
+    VEHICLE = 0
+    WALKER = 1
+    OBSTACLE = 2
+
+
 @dataclass(slots=True, kw_only=True, eq=False)
 class Observation:
     """The agent's observation of one step.
@@ -63,7 +72,7 @@ class Observation:
         route_lateral: Distance from that line, metres, positive to the left.
         objects: (n, 9) perceived actors, columns ``Col``.
         object_sizes: (n, 2) length and width, metres.
-        object_kinds: (n,) 0 vehicle, 1 walker, 2 obstacle.
+        object_kinds: (n,) ``ObjectKind``: 0 vehicle, 1 walker, 2 obstacle.
         object_ids: (n,) a constant number of the actor in the run.
         light: State of the next signal on the route.
         light_protected: Whether a green light gives the right of way over all others ("G" in SUMO);
@@ -121,12 +130,22 @@ class PoseControl(NamedTuple):
     speed: float | None = None
 
 
+class TrajectoryCol(IntEnum):
+    """Columns of a trajectory's points."""
+
+    TIME = 0
+    """Seconds from now, ascending."""
+    X = 1
+    Y = 2
+    SPEED = 3
+
+
 class TrajectoryControl(NamedTuple):
     """A trajectory to track.
 
     Attributes:
-        points: (n, 4) time from now (s), x, y (m), speed (m/s); times ascend. The heading is that
-            of the way; if all places coincide, it is kept.
+        points: (n, 4) time from now (s), x, y (m), speed (m/s), columns ``TrajectoryCol``; times
+            ascend. The heading is that of the way; if all places coincide, it is kept.
     """
 
     points: FloatArray
@@ -139,7 +158,7 @@ class Agent(Protocol):
     """An ADS under test."""
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares for a run; called once, before the first step."""
+        """Sets up a run; called once, before the first step."""
         ...
 
     def run_step(self, observation: Observation) -> Control:

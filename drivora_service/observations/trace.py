@@ -41,6 +41,14 @@ class Col(IntEnum):
     """Height, metres; 0 on flat networks. Two actors more than ``LEVEL_GAP`` apart do not meet."""
 
 
+class SizeCol(IntEnum):
+    """Columns of arrays of actors' sizes, metres."""
+
+    LENGTH = 0
+    """Along the heading."""
+    WIDTH = 1
+
+
 LEVEL_GAP = 3.0
 """Metres; actors further apart in height are on different levels of a bridge."""
 

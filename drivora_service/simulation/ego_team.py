@@ -15,6 +15,7 @@ from drivora_service.agents.interface import (
     AgentContext,
     Control,
     Observation,
+    TrajectoryCol,
     TrajectoryControl,
 )
 from drivora_service.agents.log import AgentLog
@@ -27,8 +28,13 @@ from drivora_service.scenario.model import VehicleDynamics
 from drivora_service.scenario.weather import WeatherEffects
 from drivora_service.simulation.motion.route_tracking import Progress
 from drivora_service.simulation.motion.vehicle_commands import write_command
-from drivora_service.simulation.motion.vehicle_dynamics import Body, CommandMode
-from drivora_service.simulation.perception.ego_perception import perceive
+from drivora_service.simulation.motion.vehicle_dynamics import Body, CommandMode, PoseCommand
+from drivora_service.simulation.perception.ego_perception import (
+    Draw,
+    Seen,
+    empty_seen,
+    perceive,
+)
 from drivora_service.simulation.perception.sensor_noise import SensorNoise, ego_seeds, is_noisy
 from drivora_service.simulation.plans.episode_plan import EpisodePlan
 from drivora_service.simulation.plans.plan_arrays import (
@@ -38,12 +44,13 @@ from drivora_service.simulation.plans.plan_arrays import (
     senses_of,
     vehicle_limits,
 )
-from drivora_service.simulation.run_phase import SETTING_UP, RunPhase
+from drivora_service.simulation.run_phase import SETTING_UP, BoardCell, RunPhase
 from drivora_service.simulation.trace_assembly import Ending
 from drivora_service.simulation.world import World
 
 # Enum attributes are slow to look up: the step loop uses plain values.
 _IN_AGENT, _SIMULATING = int(RunPhase.IN_AGENT), int(RunPhase.SIMULATING)
+_PHASE, _STEP, _EGO = int(BoardCell.PHASE), int(BoardCell.STEP), int(BoardCell.EGO)
 _ROUTE_S, _SPEED_LIMIT = int(Progress.ROUTE_S), int(Progress.SPEED_LIMIT)
 _SPEED, _STEER = int(Body.SPEED), int(Body.STEER)
 _LIGHTS = tuple(Light)
@@ -58,7 +65,7 @@ class EgoTeam:
         bodies: (M, 10), columns ``dynamics.Body``.
         limits: (M, 8), columns ``dynamics.Limit``.
         modes: (M,) ``CommandMode``.
-        commands: (M, 4), meaning by mode.
+        commands: (M, 4), columns ``DriveCommand`` or ``PoseCommand``, by mode.
         active: (M,) egos whose part has begun and not ended.
         in_world: (M,) egos that are on the road.
         routes: The routes as arrays for the kernels.
@@ -84,14 +91,14 @@ class EgoTeam:
         self.agents = list(agents)
         self._cells = cells
         self.bodies: FloatArray = np.zeros((count, len(Body)))
-        self.bodies[:, :3] = [ego.start for ego in plan.egos]
+        self.bodies[:, : Body.YAW + 1] = [ego.start for ego in plan.egos]
         self.bodies[:, Body.HEIGHT] = [ego.heights[0] for ego in plan.egos]
         self.limits = vehicle_limits(
             [ego.model for ego in plan.egos],
             [ego.ego.dynamics is VehicleDynamics.DYNAMIC for ego in plan.egos],
         )
         self.modes: IntArray = np.full(count, int(CommandMode.HOLD), dtype=np.int64)
-        self.commands = np.zeros((count, 4))
+        self.commands = np.zeros((count, len(PoseCommand)))
         self.active = np.zeros(count, dtype=np.bool_)
         self.in_world = np.ones(count, dtype=np.bool_)
         self.endings = [Ending() for _ in range(count)]
@@ -124,9 +131,9 @@ class EgoTeam:
         self._step_length = plan.scenario.step_length
         self._last_start = max(ego.ego.start_time for ego in plan.egos)
         self._observations: list[Observation] = []
-        self._buffers: list[tuple[FloatArray, FloatArray, IntArray]] = []
-        self._views: list[tuple[FloatArray, FloatArray, IntArray, IntArray]] = []
-        self._draws = np.zeros((0, 5))
+        self._buffers: list[Seen] = []
+        self._views: list[Seen] = []
+        self._draws = np.zeros((0, len(Draw)))
         self._sights: IntArray = np.zeros(0, dtype=np.int64)
         self._perceive = perceive
 
@@ -150,12 +157,13 @@ class EgoTeam:
             log=self.logs[m],
         )
         # Distinguishes this call from the first step, even without a reading of the cells between.
-        self._cells[1], self._cells[2], self._cells[0] = SETTING_UP, m, RunPhase.IN_AGENT
+        cells = self._cells
+        cells[_STEP], cells[_EGO], cells[_PHASE] = SETTING_UP, m, RunPhase.IN_AGENT
         try:
             agent.setup_env(context)
         except (Exception, SystemExit) as error:
             raise _make_agent_error(plan.ego.id, plan.ego.agent.name, "setup_env", error) from error
-        self._cells[0], self._cells[1] = RunPhase.SIMULATING, 0
+        cells[_PHASE], cells[_STEP] = RunPhase.SIMULATING, 0
 
     def _columns_of(self, log: AgentLog) -> IntArray | slice:
         """Returns the indices of a log's columns among all; if possible as a slice, for speed."""
@@ -166,27 +174,22 @@ class EgoTeam:
 
     def _make_room(self, count: int) -> None:
         """Resizes the observation buffers to a world of ``count`` rows."""
-        self._draws = np.zeros((count, 5))
+        self._draws = np.zeros((count, len(Draw)))
         self._sights = np.zeros(count, dtype=np.int64)
         self._buffers = []
         self._views = []
         self._observations = []
         for _ in range(len(self.agents)):
-            buffers = (
-                np.zeros((count, len(Col))),
-                np.zeros((count, 2)),
-                np.zeros((2, count), dtype=np.int64),
-            )
-            views = (buffers[0], buffers[1], buffers[2][0], buffers[2][1])
-            self._buffers.append(buffers)
-            self._views.append(views)
+            seen = empty_seen(count)
+            self._buffers.append(seen)
+            self._views.append(seen)
             self._observations.append(
                 Observation(
                     ego=np.full(len(Col), np.nan),
-                    objects=views[0],
-                    object_sizes=views[1],
-                    object_kinds=views[2],
-                    object_ids=views[3],
+                    objects=seen.states,
+                    object_sizes=seen.sizes,
+                    object_kinds=seen.kinds,
+                    object_ids=seen.ids,
                 )
             )
 
@@ -217,7 +220,7 @@ class EgoTeam:
             if control is None:
                 observation = self._observe(m, step, time, world)
                 log.step = step
-                cells[1], cells[2], cells[0] = step, m, _IN_AGENT
+                cells[_STEP], cells[_EGO], cells[_PHASE] = step, m, _IN_AGENT
                 try:
                     begun = perf_counter_ns()
                     control = agent.run_step(observation)
@@ -227,36 +230,36 @@ class EgoTeam:
                 except (Exception, SystemExit) as error:
                     where = f"run_step at {time:.2f} s"
                     raise _make_agent_error(ego.ego.id, ego.ego.agent.name, where, error) from error
-                cells[0] = _SIMULATING
+                cells[_PHASE] = _SIMULATING
             try:
                 self.modes[m] = write_command(control, ego.model, self._step_length, command)
             except (AgentError, ArithmeticError, TypeError, ValueError) as error:
                 raise _make_control_error(ego.ego.id, ego.ego.agent.name, time, error) from error
             if isinstance(control, TrajectoryControl):
-                log.plan(np.asarray(control.points)[:, 1:3])
+                log.plan(np.asarray(control.points)[:, TrajectoryCol.X : TrajectoryCol.Y + 1])
 
     def _observe(self, m: int, step: int, time: float, world: World) -> Observation:
         if self._is_noisy:
             self._noise[m].draw(self._draws)
-        objects, sizes, numbers = self._buffers[m]
+        seen = self._buffers[m]
         count = self._perceive(
-            m, step, world.states, world.present, world.sizes, world.heights, world.kinds,
-            self._senses[m], self._draws, objects, sizes, numbers, self._sights,
+            m, step, world.frames, world.heights, world.kinds, self._senses[m], self._draws, seen,
+            self._sights,
         )  # fmt: skip
         if self._perceive is perceive:
             # Later calls have arguments of the same types.
             self._perceive = specialize(perceive)
         views = self._views[m]
-        if count != len(views[0]):
-            views = (objects[:count], sizes[:count], numbers[0, :count], numbers[1, :count])
-            self._views[m] = views
+        if count != len(views.ids):
+            views = self._views[m] = Seen(
+                states=seen.states[:count],
+                sizes=seen.sizes[:count],
+                kinds=seen.kinds[:count],
+                ids=seen.ids[:count],
+            )
         observation = self._observations[m]
-        (
-            observation.objects,
-            observation.object_sizes,
-            observation.object_kinds,
-            observation.object_ids,
-        ) = views
+        observation.objects, observation.object_sizes = views.states, views.sizes
+        observation.object_kinds, observation.object_ids = views.kinds, views.ids
         observation.time = time
         observation.step = step
         # A copy: the frames are the evidence, and a view would let an agent write into them.

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,14 +35,15 @@ from drivora_service.simulation.episode_changes import (
     changes_anything,
 )
 from drivora_service.simulation.look import Frames, Look, frames_of, look_at
-from drivora_service.simulation.motion.route_tracking import ENDS
+from drivora_service.simulation.motion.route_tracking import ENDS, EgoProgress
 from drivora_service.simulation.motion.step_kernels import (
+    Surroundings,
     finish_frame,
     make_frame,
     take_over_driven,
     write_velocity,
 )
-from drivora_service.simulation.motion.vehicle_dynamics import CommandMode
+from drivora_service.simulation.motion.vehicle_dynamics import CommandMode, EgoBodies
 from drivora_service.simulation.plans.casting import cast_actors, follower_actor, follower_body
 from drivora_service.simulation.plans.episode_plan import DrivenPlan, EpisodePlan, FollowerPlan
 from drivora_service.simulation.plans.plan_arrays import (
@@ -53,6 +53,7 @@ from drivora_service.simulation.plans.plan_arrays import (
     lay_obstacles,
 )
 from drivora_service.simulation.plans.planning_npcs import plan_driven, plan_npc, plan_walker
+from drivora_service.simulation.run_phase import BoardCell
 from drivora_service.simulation.sumo import SumoWorld
 from drivora_service.simulation.trace_assembly import Record, assemble_trace
 from drivora_service.simulation.traffic import background
@@ -64,6 +65,7 @@ from drivora_service.simulation.traffic.sumo_traffic import Traffic
 from drivora_service.simulation.world import World
 
 _ROOM_FOR_CONTACTS = 64
+_STEP = int(BoardCell.STEP)
 
 
 class Episode:
@@ -93,7 +95,7 @@ class Episode:
             plan: Plan of the episode.
             agents: An agent for every ego, in order.
             privileged: Whether each agent bypasses the perception model.
-            cells: (4,) progress integers to keep current (``worker.progress_board``).
+            cells: ``BoardCell`` progress integers to keep current (``worker.progress_board``).
             mirrored: Whether SUMO has every actor at its place after every step, for agents and
                 callers that read it. Otherwise it has only while it drives vehicles, and after
                 ``catch_up_sumo``. Traces do not depend on it.
@@ -115,7 +117,7 @@ class Episode:
         self._has_sumo_drivers = any(isinstance(agent, SumoDriver) for agent in agents)
         lane_change_model = common_lane_change_model(agents)
         self._privileged = tuple(privileged) or (False,) * len(agents)
-        self._cells = np.zeros(4, dtype=np.int64) if cells is None else cells
+        self._cells = np.zeros(len(BoardCell), dtype=np.int64) if cells is None else cells
         self._team = EgoTeam(plan, agents, self._privileged, self._cells)
         self._changes = Changes(plan.scenario)
         self._weather = plan.weather
@@ -231,17 +233,26 @@ class Episode:
     def _bind(self) -> None:
         """Collects the constant arguments of the step kernels; repeated when the world grows."""
         world, team, traffic = self._world, self._team, self._traffic
-        routes, followers = team.routes, self._followers
-        self._make_arguments: tuple[Any, ...] = (
-            self._dt, self._ground, world.states, world.present, world.sizes, self._static,
-            team.bodies, team.limits, team.modes, team.commands, team.in_world, followers.places,
-            followers.path, followers.state, traffic.is_moved, traffic.known, traffic.placements,
-            world.ego_values,
-        )  # fmt: skip
-        self._finish_arguments: tuple[Any, ...] = (
-            self._dt, world.states, world.present, world.sizes, team.bodies, team.active,
-            self._seen, self._found, routes.points, routes.signals, routes.parts, team.progress,
-            world.ego_values, world.ego_lights, team.ends,
+        bodies = EgoBodies(
+            bodies=team.bodies,
+            limits=team.limits,
+            modes=team.modes,
+            commands=team.commands,
+            in_world=team.in_world,
+            values=world.ego_values,
+        )
+        progress = EgoProgress(
+            bodies=team.bodies,
+            active=team.active,
+            progress=team.progress,
+            values=world.ego_values,
+            lights=world.ego_lights,
+            ends=team.ends,
+        )
+        around = Surroundings(self._dt, self._ground, self._static)
+        self._make_arguments = (around, world.frames, bodies, self._followers, traffic.moved)
+        self._finish_arguments = (
+            self._dt, world.frames, progress, team.routes, self._seen, self._found,
         )  # fmt: skip
 
     def _settle(self) -> None:
@@ -290,7 +301,7 @@ class Episode:
         if k >= self._pauses_at:
             self._pause(k)
         time, next_time = k * self._dt, (k + 1) * self._dt
-        self._cells[1] = k
+        self._cells[_STEP] = k
         self._team.decide(k, time, world, controls)
         self._make_frame(k, k + 1, next_time)
         self._k = k + 1
@@ -468,7 +479,7 @@ class Episode:
 
     def _add_follower(self, plan: FollowerPlan) -> None:
         actor = follower_actor(plan, len(self._world.actors))
-        append_follower(self._followers, plan, actor.row)
+        self._followers = append_follower(self._followers, plan, actor.row)
         self._traffic.add_body(follower_body(plan, actor))
         self._join(actor, plan.model.height)
 

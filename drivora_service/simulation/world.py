@@ -3,21 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivora_service.agents.interface import ObjectKind
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.observations.trace import Actor, Col, EgoCol, Role
 
 _MOST_ROWS_AT_ONCE = 4096
 KIND_OF_ROLE = {
-    Role.EGO: 0,
-    Role.NPC_VEHICLE: 0,
-    Role.BACKGROUND: 0,
-    Role.NPC_WALKER: 1,
-    Role.NPC_OBSTACLE: 2,
+    Role.EGO: ObjectKind.VEHICLE,
+    Role.NPC_VEHICLE: ObjectKind.VEHICLE,
+    Role.BACKGROUND: ObjectKind.VEHICLE,
+    Role.NPC_WALKER: ObjectKind.WALKER,
+    Role.NPC_OBSTACLE: ObjectKind.OBSTACLE,
 }
+
+
+class WorldFrames(NamedTuple):
+    """The frames of all actors, as the kernels of a step take them.
+
+    Attributes:
+        states: (capacity, N, 9) frames, columns ``Col``.
+        present: (capacity, N) whether the actor is in the world.
+        sizes: (N, 2), columns ``SizeCol``.
+    """
+
+    states: FloatArray
+    present: BoolArray
+    sizes: FloatArray
 
 
 class World:
@@ -25,14 +41,16 @@ class World:
 
     Attributes:
         actors: Rows in order; the egos come first.
-        sizes: (N, 2) length and width, metres.
+        sizes: (N, 2), columns ``SizeCol``.
         heights: (N,) metres.
-        kinds: (N,) 0 vehicle, 1 walker, 2 obstacle.
-        states: (capacity, N, 8) frames, columns ``Col``.
+        kinds: (N,) ``ObjectKind``.
+        states: (capacity, N, 9) frames, columns ``Col``.
         present: (capacity, N).
         ego_values: (capacity, M, 8), columns ``EgoCol``.
         ego_lights: (capacity, M).
         logs: (capacity, M, K) numeric agent logs.
+        frames: The present arrays of ``states``, ``present`` and ``sizes``; another record after
+            ``grow`` and ``add_actor``.
     """
 
     def __init__(
@@ -57,6 +75,7 @@ class World:
         self.ego_values: FloatArray = np.full((rows, ego_count, len(EgoCol)), np.nan)
         self.ego_lights: NDArray[np.uint8] = np.zeros((rows, ego_count), dtype=np.uint8)
         self.logs: FloatArray = np.full((rows, ego_count, log_count), np.nan)
+        self.frames = WorldFrames(self.states, self.present, self.sizes)
 
     @property
     def capacity(self) -> int:
@@ -73,6 +92,7 @@ class World:
         )
         self.ego_lights = np.concatenate((self.ego_lights, np.zeros_like(self.ego_lights)))
         self.logs = np.concatenate((self.logs, np.full((more, *self.logs.shape[1:]), np.nan)))
+        self.frames = WorldFrames(self.states, self.present, self.sizes)
 
     def add_actor(self, actor: Actor, height: float) -> None:
         """Adds a row; the actor is absent in all frames so far."""
@@ -84,3 +104,4 @@ class World:
         self.states = np.concatenate((self.states, empty), axis=1)
         absent = np.zeros((self.capacity, 1), dtype=np.bool_)
         self.present = np.concatenate((self.present, absent), axis=1)
+        self.frames = WorldFrames(self.states, self.present, self.sizes)

@@ -6,40 +6,49 @@ Actors are sorted by position once a step, so that each follower looks only at t
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
-from drivora_service.observations.trace import LEVEL_GAP
+from drivora_service.observations.trace import LEVEL_GAP, Col, SizeCol
 from drivora_service.simulation.followers.follower_path import SPACING, PathCol
 
-_X, _Y, _ARC = int(PathCol.X), int(PathCol.Y), int(PathCol.ARC)
-_COS, _SIN = int(PathCol.COS), int(PathCol.SIN)
 _POINTS_APART = 1.01 * SPACING
 _ROUNDING = 1e-3
 """Metres by which quick checks of distances are wider than the exact ones."""
 
 
-@compiled
-def order_actors(
-    states: FloatArray, sizes: FloatArray, present: BoolArray
-) -> tuple[int, float, FloatArray, IntArray]:
-    """Sorts the n present actors along the axis on which they are spread further.
+class ActorOrder(NamedTuple):
+    """The n present actors, sorted along an axis.
 
-    Returns:
-        The axis, 0 for x and 1 for y; a radius that covers every box, metres; the (n,) ascending
-        positions on the axis, metres; and the (n,) rows.
+    Attributes:
+        axis: ``Col.X`` or ``Col.Y``.
+        radius: Covers every box, metres.
+        positions: (n,) ascending positions on the axis, metres.
+        rows: (n,) rows of the actors.
     """
+
+    axis: int
+    radius: float
+    positions: FloatArray
+    rows: IntArray
+
+
+@compiled
+def order_actors(states: FloatArray, sizes: FloatArray, present: BoolArray) -> ActorOrder:
+    """Returns the present actors along the axis on which they are spread further."""
     radius = 0.0
     low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
     count = 0
     for j in range(states.shape[0]):
         if present[j]:
             count += 1
-            radius = max(radius, 0.5 * (sizes[j, 0] + sizes[j, 1]))
-            low_x, high_x = min(low_x, states[j, 0]), max(high_x, states[j, 0])
-            low_y, high_y = min(low_y, states[j, 1]), max(high_y, states[j, 1])
+            radius = max(radius, 0.5 * (sizes[j, SizeCol.LENGTH] + sizes[j, SizeCol.WIDTH]))
+            low_x, high_x = min(low_x, states[j, Col.X]), max(high_x, states[j, Col.X])
+            low_y, high_y = min(low_y, states[j, Col.Y]), max(high_y, states[j, Col.Y])
+    # Fewer actors share a position on the longer axis: fewer are looked at for each follower.
     axis = 0 if high_x - low_x >= high_y - low_y else 1
     positions, rows = np.empty(count), np.empty(count, dtype=np.int64)
     at = 0
@@ -48,7 +57,7 @@ def order_actors(
             positions[at], rows[at] = states[j, axis], j
             at += 1
     order = np.argsort(positions)
-    return axis, radius, positions[order], rows[order]
+    return ActorOrder(axis, radius, positions[order], rows[order])
 
 
 @compiled
@@ -62,10 +71,7 @@ def gap_ahead(
     half_width: float,
     states: FloatArray,
     sizes: FloatArray,
-    axis: int,
-    radius: float,
-    positions: FloatArray,
-    rows: IntArray,
+    order: ActorOrder,
 ) -> tuple[float, float, int]:
     """Returns the free metres in the corridor ahead, and speed and row of the actor at its end.
 
@@ -78,16 +84,17 @@ def gap_ahead(
         half_length: Of the follower, metres.
         half_width: Of the follower, metres.
         states: (N, 9) states of the actors.
-        sizes: (N, 2) length and width, metres.
-        axis, radius, positions, rows: As of ``order_actors``.
+        sizes: (N, 2), columns ``SizeCol``.
+        order: The actors, sorted.
 
     Returns:
         Metres, m/s along the path, and row; inf, 0 and -1 if the corridor is free.
     """
+    axis, positions, rows = order.axis, order.positions, order.rows
     best, best_speed, best_row = np.inf, 0.0, -1
-    x0, y0 = way[cursor, _X], way[cursor, _Y]
+    x0, y0 = way[cursor, PathCol.X], way[cursor, PathCol.Y]
     along_axis, beside_axis = (x0, y0) if axis == 0 else (y0, x0)
-    furthest = reach + half_length + radius + 2.0 + _ROUNDING
+    furthest = reach + half_length + order.radius + 2.0 + _ROUNDING
     first, last = 0, positions.shape[0]
     while first < last:
         middle = (first + last) // 2
@@ -101,10 +108,10 @@ def gap_ahead(
         j = rows[k]
         if j == row or abs(states[j, 1 - axis] - beside_axis) > furthest:
             continue
-        if abs(states[j, 8] - states[row, 8]) > LEVEL_GAP:
+        if abs(states[j, Col.Z] - states[row, Col.Z]) > LEVEL_GAP:
             continue
-        x, y = states[j, 0], states[j, 1]
-        size = 0.5 * math.hypot(sizes[j, 0], sizes[j, 1])
+        x, y = states[j, Col.X], states[j, Col.Y]
+        size = 0.5 * math.hypot(sizes[j, SizeCol.LENGTH], sizes[j, SizeCol.WIDTH])
         if math.hypot(x - x0, y - y0) > reach + half_length + size + 2.0:
             continue
         # Path points further away than this cannot be beside the other's box.
@@ -113,31 +120,31 @@ def gap_ahead(
         while following < way.shape[0]:
             i = following
             following += 1
-            at = way[i, _ARC] - s
+            at = way[i, PathCol.ARC] - s
             if at > reach + half_length + size:
                 break
             if at < 0.0:
                 continue
-            dx, dy = x - way[i, _X], y - way[i, _Y]
+            dx, dy = x - way[i, PathCol.X], y - way[i, PathCol.Y]
             if dx * dx + dy * dy > near * near:
                 # Points nearer to this one than the other's box is from it need no check.
                 following += int(max(math.hypot(dx, dy) - near - _ROUNDING, 0.0) / _POINTS_APART)
                 continue
-            pcos, psin = way[i, _COS], way[i, _SIN]
+            pcos, psin = way[i, PathCol.COS], way[i, PathCol.SIN]
             along = dx * pcos + dy * psin
             if abs(along) > 0.75:
                 continue
             side = abs(-dx * psin + dy * pcos)
-            cos, sin = math.cos(states[j, 2]), math.sin(states[j, 2])
+            cos, sin = math.cos(states[j, Col.YAW]), math.sin(states[j, Col.YAW])
             # Half extents of the other box along and across the path.
             c, d = abs(cos * pcos + sin * psin), abs(sin * pcos - cos * psin)
-            across = 0.5 * (sizes[j, 0] * d + sizes[j, 1] * c)
+            across = 0.5 * (sizes[j, SizeCol.LENGTH] * d + sizes[j, SizeCol.WIDTH] * c)
             if side > half_width + across + 0.2:
                 continue
-            extent = 0.5 * (sizes[j, 0] * c + sizes[j, 1] * d)
+            extent = 0.5 * (sizes[j, SizeCol.LENGTH] * c + sizes[j, SizeCol.WIDTH] * d)
             gap = at + along - half_length - extent
             if gap < best or (gap == best and j < best_row):
                 best, best_row = gap, j
-                best_speed = states[j, 3] * pcos + states[j, 4] * psin
+                best_speed = states[j, Col.VX] * pcos + states[j, Col.VY] * psin
             break
     return best, best_speed, best_row

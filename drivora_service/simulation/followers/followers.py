@@ -9,13 +9,15 @@ next, would stand for ever: after ``PATIENCE`` one of them is removed.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from enum import IntEnum
+from typing import NamedTuple
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.geometry.kernels import wrap_to_pi
 from drivora_service.observations.ground import friction_at
-from drivora_service.simulation.followers.follower_gaps import gap_ahead, order_actors
+from drivora_service.observations.trace import Col
+from drivora_service.simulation.followers.follower_gaps import ActorOrder, gap_ahead, order_actors
 from drivora_service.simulation.followers.follower_path import PathCol
 from drivora_service.simulation.followers.follower_state import FollowerCol, FollowerPhase, Reaction
 from drivora_service.simulation.followers.planned_driving import (
@@ -34,13 +36,22 @@ STANDING_SPEED = 0.1
 """m/s below which a vehicle stands."""
 
 
-@dataclass(slots=True, kw_only=True, eq=False)
-class Followers:
+class PlaceCol(IntEnum):
+    """Columns of ``Followers.places``."""
+
+    ROW = 0
+    """Row of the follower in the world's arrays."""
+    PATH = 1
+    """Begin of its path in ``Followers.path``."""
+    POINTS = 2
+    """Number of the path's points."""
+
+
+class Followers(NamedTuple):
     """All followers of an episode, in a few wide arrays: each array adds time to a compiled call.
 
     Attributes:
-        places: (F, 3) row of each follower in the world's arrays, begin of its path in ``path``,
-            and number of its points.
+        places: (F, 3), columns ``PlaceCol``.
         path: (n, 9) concatenated paths, columns ``follower_path.PathCol``.
         state: (F, 17), columns ``FollowerCol``.
     """
@@ -50,12 +61,9 @@ class Followers:
     state: FloatArray
 
 
-# The columns as plain integers, which compiled functions use as indices.
-_S, _SPEED, _CURSOR, _PHASE, _START, _REACTION, _STAYS = (int(c) for c in tuple(FollowerCol)[:7])
-_MOST, _LEAST, _LENGTH, _WIDTH, _WAITED, _WAITS_FOR = (int(c) for c in tuple(FollowerCol)[7:13])
-_PLANNED, _NEXT_STOP = int(FollowerCol.DECELERATION), int(FollowerCol.NEXT_STOP)
-_X, _Y, _YAW, _ARC, _WANTED, _HEIGHT = (int(c) for c in tuple(PathCol)[:6])
-_WAITING, _MOVING, _DONE = (float(phase) for phase in FollowerPhase)
+# As the numbers in the columns: a compiled function compares no enum with a float.
+_WAITING, _MOVING = float(FollowerPhase.WAITING), float(FollowerPhase.MOVING)
+_DONE = float(FollowerPhase.DONE)
 _BRAKES = float(Reaction.BRAKES)
 
 
@@ -76,9 +84,7 @@ def advance_followers(
     dt: float,
     friction: float,
     patches: FloatArray,
-    places: IntArray,
-    path: FloatArray,
-    followers: FloatArray,
+    followers: Followers,
     states: FloatArray,
     sizes: FloatArray,
     present: BoolArray,
@@ -89,49 +95,51 @@ def advance_followers(
 
     Reads the world at ``time`` from ``states`` (N, 9), ``sizes`` (N, 2) and ``present`` (N,);
     writes the poses and velocities at ``time + dt`` into ``next_states`` and ``next_present``.
-    ``places``, ``path`` and ``followers``, which is changed in place, are those of ``Followers``.
-    A follower has the friction at its centre: ``friction``, or less on ``patches`` (P, 8), columns
-    ``ground.PatchCol``.
+    The state of ``followers`` is changed in place. A follower has the friction at its centre:
+    ``friction``, or less on ``patches`` (P, 8), columns ``ground.PatchCol``.
     """
-    axis, radius, positions, rows = order_actors(states, sizes, present)
+    places, path, all_states = followers.places, followers.path, followers.state
+    order = order_actors(states, sizes, present)
     for f in range(places.shape[0]):
-        row, base = places[f, 0], places[f, 1]
-        me, way = followers[f], path[base : base + places[f, 2]]
-        if me[_PHASE] == _WAITING and time + dt >= me[_START] - 1e-9:
-            me[_PHASE] = _MOVING
-            me[_S] = 0.0
-            me[_CURSOR] = 0.0
-            me[_SPEED] = min(me[_SPEED], way[0, _WANTED])
+        row, base = places[f, PlaceCol.ROW], places[f, PlaceCol.PATH]
+        me, way = all_states[f], path[base : base + places[f, PlaceCol.POINTS]]
+        if me[FollowerCol.PHASE] == _WAITING and time + dt >= me[FollowerCol.START_TIME] - 1e-9:
+            me[FollowerCol.PHASE] = _MOVING
+            me[FollowerCol.S] = 0.0
+            me[FollowerCol.CURSOR] = 0.0
+            me[FollowerCol.SPEED] = min(me[FollowerCol.SPEED], way[0, PathCol.WANTED])
             next_present[row] = True
-        elif me[_PHASE] == _MOVING:
+        elif me[FollowerCol.PHASE] == _MOVING:
             mu = friction
             if patches.shape[0] > 0:
                 at = states[row]
-                mu = friction_at(at[0], at[1], at[8], friction, patches)
-            acceleration = _acceleration(
-                row, dt, mu, me, way, states, sizes, axis, radius, positions, rows
-            )
+                mu = friction_at(at[Col.X], at[Col.Y], at[Col.Z], friction, patches)
+            acceleration = _acceleration(row, dt, mu, me, way, states, sizes, order)
             done = _advance(me, way, acceleration, dt)
-            next_present[row] = not done or me[_STAYS] > 0.0
+            next_present[row] = not done or me[FollowerCol.STAYS] > 0.0
         else:
-            next_present[row] = me[_PHASE] == _DONE and me[_STAYS] > 0.0
-        if next_present[row] and me[_WAITED] > PATIENCE and _waits_in_ring(f, places, followers):
-            me[_PHASE], me[_STAYS] = _DONE, 0.0
+            next_present[row] = me[FollowerCol.PHASE] == _DONE and me[FollowerCol.STAYS] > 0.0
+        if (
+            next_present[row]
+            and me[FollowerCol.WAITED] > PATIENCE
+            and _waits_in_ring(f, places, all_states)
+        ):
+            me[FollowerCol.PHASE], me[FollowerCol.STAYS] = _DONE, 0.0
             next_present[row] = False
         if next_present[row]:
             _write_pose(me, way, next_states[row])
 
 
 @compiled
-def _waits_in_ring(f: int, places: IntArray, followers: FloatArray) -> bool:
+def _waits_in_ring(f: int, places: IntArray, state: FloatArray) -> bool:
     """Returns whether a follower is part of a ring of followers that wait for each other."""
     at = f
     for _ in range(places.shape[0]):
-        if followers[at, _PHASE] != _MOVING or followers[at, _WAITED] <= PATIENCE:
+        if state[at, FollowerCol.PHASE] != _MOVING or state[at, FollowerCol.WAITED] <= PATIENCE:
             return False
-        ahead, at = followers[at, _WAITS_FOR], -1
+        ahead, at = state[at, FollowerCol.WAITS_FOR], -1
         for g in range(places.shape[0]):
-            if places[g, 0] == ahead:
+            if places[g, PlaceCol.ROW] == ahead:
                 at = g
         if at < 0:
             return False
@@ -149,37 +157,41 @@ def _acceleration(
     way: FloatArray,
     states: FloatArray,
     sizes: FloatArray,
-    axis: int,
-    radius: float,
-    positions: FloatArray,
-    rows: IntArray,
+    order: ActorOrder,
 ) -> float:
     """Returns the follower's acceleration, m/s², and stores the row that it waits for."""
     grip = friction * GRAVITY
-    v = me[_SPEED]
-    cursor = int(me[_CURSOR])
-    target = way[cursor, _WANTED]
-    if me[_PLANNED] > 0.0:
+    v = me[FollowerCol.SPEED]
+    cursor = int(me[FollowerCol.CURSOR])
+    target = way[cursor, PathCol.WANTED]
+    if me[FollowerCol.DECELERATION] > 0.0:
         target = planned_speed(me, way, dt)
         grip = free_grip(me, way, grip)
-    elif cursor + 1 < way.shape[0] and way[cursor + 1, _WANTED] < target:
-        room = max(way[cursor + 1, _ARC] - me[_S], 0.0)
+    elif cursor + 1 < way.shape[0] and way[cursor + 1, PathCol.WANTED] < target:
+        room = max(way[cursor + 1, PathCol.ARC] - me[FollowerCol.S], 0.0)
         target = min(
-            target, math.sqrt(way[cursor + 1, _WANTED] ** 2 + 2.0 * 0.5 * me[_LEAST] * room)
+            target,
+            math.sqrt(
+                way[cursor + 1, PathCol.WANTED] ** 2
+                + 2.0 * 0.5 * me[FollowerCol.MAX_DECELERATION] * room
+            ),
         )
-    most, least = min(me[_MOST], grip), -min(me[_LEAST], grip)
+    most, least = (
+        min(me[FollowerCol.MAX_ACCELERATION], grip),
+        -min(me[FollowerCol.MAX_DECELERATION], grip),
+    )
     acceleration = (target - v) / dt
-    if me[_REACTION] == _BRAKES:
-        reach = look_ahead(v, me[_LEAST])
+    if me[FollowerCol.REACTION] == _BRAKES:
+        reach = look_ahead(v, me[FollowerCol.MAX_DECELERATION])
         gap, other, ahead = gap_ahead(
-            row, way, cursor, me[_S], reach, 0.5 * me[_LENGTH], 0.5 * me[_WIDTH],
-            states, sizes, axis, radius, positions, rows,
+            row, way, cursor, me[FollowerCol.S], reach, 0.5 * me[FollowerCol.LENGTH],
+            0.5 * me[FollowerCol.WIDTH], states, sizes, order,
         )  # fmt: skip
         is_waiting = gap < reach and v < STANDING_SPEED
-        me[_WAITED] = me[_WAITED] + dt if is_waiting else 0.0
-        me[_WAITS_FOR] = ahead
+        me[FollowerCol.WAITED] = me[FollowerCol.WAITED] + dt if is_waiting else 0.0
+        me[FollowerCol.WAITS_FOR] = ahead
         if gap < reach:
-            a, b = most, 0.35 * me[_LEAST]
+            a, b = most, 0.35 * me[FollowerCol.MAX_DECELERATION]
             space = 2.0 + max(0.0, v * 1.0 + v * (v - other) / (2.0 * math.sqrt(a * b)))
             free = 1.0 - (v / max(target, 0.1)) ** 4 if target > 0.0 else -1.0
             following = a * (free - (space / max(gap, 0.1)) ** 2)
@@ -193,36 +205,49 @@ def _acceleration(
 def _advance(me: FloatArray, way: FloatArray, acceleration: float, dt: float) -> bool:
     """Moves a follower along its path; returns whether it has reached the end."""
     count = way.shape[0]
-    v = me[_SPEED]
+    v = me[FollowerCol.SPEED]
     v_next = max(v + acceleration * dt, 0.0)
-    me[_S] += 0.5 * (v + v_next) * dt
-    me[_SPEED] = v_next
-    end = way[count - 1, _ARC]
-    cursor = int(me[_CURSOR])
-    while cursor + 2 < count and way[cursor + 1, _ARC] <= me[_S]:
+    me[FollowerCol.S] += 0.5 * (v + v_next) * dt
+    me[FollowerCol.SPEED] = v_next
+    end = way[count - 1, PathCol.ARC]
+    cursor = int(me[FollowerCol.CURSOR])
+    while cursor + 2 < count and way[cursor + 1, PathCol.ARC] <= me[FollowerCol.S]:
         cursor += 1
-    me[_CURSOR] = cursor
-    done = count > 1 and (me[_S] >= end or (end - me[_S] < 0.5 and v_next < 0.2))
-    if me[_PLANNED] > 0.0:
+    me[FollowerCol.CURSOR] = cursor
+    done = count > 1 and (
+        me[FollowerCol.S] >= end or (end - me[FollowerCol.S] < 0.5 and v_next < 0.2)
+    )
+    if me[FollowerCol.DECELERATION] > 0.0:
         done = stand_at_stop(me, way, dt)
     if done:
-        me[_S] = min(me[_S], end)
-        me[_SPEED] = 0.0
-        me[_PHASE] = _DONE
+        me[FollowerCol.S] = min(me[FollowerCol.S], end)
+        me[FollowerCol.SPEED] = 0.0
+        me[FollowerCol.PHASE] = _DONE
     return bool(done)
 
 
 @compiled
 def _write_pose(me: FloatArray, way: FloatArray, state: FloatArray) -> None:
-    i = int(me[_CURSOR])
+    i = int(me[FollowerCol.CURSOR])
     if way.shape[0] < 2:
-        state[0], state[1], heading = way[i, _X], way[i, _Y], way[i, _YAW]
+        state[Col.X], state[Col.Y], heading = (
+            way[i, PathCol.X],
+            way[i, PathCol.Y],
+            way[i, PathCol.YAW],
+        )
     else:
-        t = min(max((me[_S] - way[i, _ARC]) / (way[i + 1, _ARC] - way[i, _ARC]), 0.0), 1.0)
-        state[0] = way[i, _X] + t * (way[i + 1, _X] - way[i, _X])
-        state[1] = way[i, _Y] + t * (way[i + 1, _Y] - way[i, _Y])
-        heading = way[i, _YAW] + t * (way[i + 1, _YAW] - way[i, _YAW])
-    state[2] = wrap_to_pi(heading)
-    state[3] = me[_SPEED] * math.cos(heading)
-    state[4] = me[_SPEED] * math.sin(heading)
-    state[8] = way[i, _HEIGHT]
+        t = min(
+            max(
+                (me[FollowerCol.S] - way[i, PathCol.ARC])
+                / (way[i + 1, PathCol.ARC] - way[i, PathCol.ARC]),
+                0.0,
+            ),
+            1.0,
+        )
+        state[Col.X] = way[i, PathCol.X] + t * (way[i + 1, PathCol.X] - way[i, PathCol.X])
+        state[Col.Y] = way[i, PathCol.Y] + t * (way[i + 1, PathCol.Y] - way[i, PathCol.Y])
+        heading = way[i, PathCol.YAW] + t * (way[i + 1, PathCol.YAW] - way[i, PathCol.YAW])
+    state[Col.YAW] = wrap_to_pi(heading)
+    state[Col.VX] = me[FollowerCol.SPEED] * math.cos(heading)
+    state[Col.VY] = me[FollowerCol.SPEED] * math.sin(heading)
+    state[Col.Z] = way[i, PathCol.HEIGHT]

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.ground import patch_array
 from drivora_service.observations.planned_motion import PlannedMotion
@@ -21,7 +21,7 @@ from drivora_service.observations.trace import Col
 from drivora_service.scenario.model import NpcBehavior, NpcWalker, Scenario
 from drivora_service.simulation.episode_changes import Joining, join_step, weather_by_step
 from drivora_service.simulation.followers.follower_state import FollowerCol, Reaction
-from drivora_service.simulation.followers.followers import advance_followers
+from drivora_service.simulation.followers.followers import Followers, advance_followers
 from drivora_service.simulation.plans.episode_plan import FollowerPlan, PatchPlan
 from drivora_service.simulation.plans.plan_arrays import lay_followers
 from drivora_service.simulation.plans.planning_npcs import plan_npc, plan_walker
@@ -89,7 +89,7 @@ def _plan(
     frictions: Sequence[float],
     patches: tuple[PatchPlan, ...],
 ) -> FollowerPlan:
-    """Prepares an actor as the episode does: one that joins it, in the weather of that time."""
+    """Returns the plan of an actor; of one that joins, in the weather of that time."""
     first = join_step(actor.start_time, step_length) + 1 if actor.joins else 0
     if isinstance(actor, NpcWalker):
         plan = plan_walker(actor, network)
@@ -119,8 +119,8 @@ def _simulate_followers(
     sizes = np.array([(plan.model.length, plan.model.width) for plan in plans], dtype=np.float64)
     nobody = np.zeros(len(plans), dtype=np.bool_)
     _advance_rows(
-        step, np.array(frictions, dtype=np.float64), patches, followers.places, followers.path,
-        followers.state, sizes, nobody, states, present,
+        step, np.array(frictions, dtype=np.float64), patches, followers, sizes, nobody, states,
+        present,
     )  # fmt: skip
     return states, present
 
@@ -130,9 +130,7 @@ def _advance_rows(
     step: float,
     frictions: FloatArray,
     patches: FloatArray,
-    places: IntArray,
-    path: FloatArray,
-    followers: FloatArray,
+    followers: Followers,
     sizes: FloatArray,
     nobody: BoolArray,
     states: FloatArray,
@@ -141,6 +139,6 @@ def _advance_rows(
     """Moves followers from row to row of ``states`` (n, F, 9), to which nobody else is present."""
     for row in range(frictions.shape[0]):
         advance_followers(
-            (row - 1) * step, step, frictions[row], patches, places, path,
-            followers, states[row - 1], sizes, nobody, states[row], present[row],
+            (row - 1) * step, step, frictions[row], patches, followers, states[row - 1], sizes,
+            nobody, states[row], present[row],
         )  # fmt: skip

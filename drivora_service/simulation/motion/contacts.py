@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.geometry.boxes import boxes_overlap
-from drivora_service.observations.trace import LEVEL_GAP
+from drivora_service.observations.trace import LEVEL_GAP, Col, SizeCol
+
+
+class ContactCol(IntEnum):
+    """Columns of found contacts: rows in the world."""
+
+    EGO = 0
+    OTHER = 1
+
 
 _ROUNDING = 1e-3
 """Metres by which the quick check of distances is wider than the exact one."""
@@ -25,12 +34,12 @@ def find_contacts(
     """Finds pairs (ego, other) that overlap and were not found before.
 
     Args:
-        states: (N, 9) world; egos are the first M rows.
-        sizes: (N, 2) length and width, metres.
+        states: (N, 9) world, columns ``Col``; egos are the first M rows.
+        sizes: (N, 2), columns ``SizeCol``.
         present: (N,) whether the actor is in the world.
         active: (M,) whether the ego's part has not ended.
         seen: (M, N) pairs found before; changed in place.
-        found: (k, 2) buffer for the pairs.
+        found: (k, 2) buffer for the pairs, columns ``ContactCol``.
 
     Returns:
         The number of filled rows of ``found``.
@@ -39,37 +48,39 @@ def find_contacts(
     for i in range(active.shape[0]):
         if not active[i]:
             continue
-        x, y = states[i, 0], states[i, 1]
-        radius = 0.5 * math.hypot(sizes[i, 0], sizes[i, 1])
+        x, y = states[i, Col.X], states[i, Col.Y]
+        radius = 0.5 * math.hypot(sizes[i, SizeCol.LENGTH], sizes[i, SizeCol.WIDTH])
         for j in range(states.shape[0]):
             if j == i or not present[j] or seen[i, j]:
                 continue
             # Not less than the reach below, which takes longer to compute.
-            furthest = radius + 0.5 * (sizes[j, 0] + sizes[j, 1]) + _ROUNDING
-            if abs(states[j, 0] - x) > furthest or abs(states[j, 1] - y) > furthest:
+            furthest = (
+                radius + 0.5 * (sizes[j, SizeCol.LENGTH] + sizes[j, SizeCol.WIDTH]) + _ROUNDING
+            )
+            if abs(states[j, Col.X] - x) > furthest or abs(states[j, Col.Y] - y) > furthest:
                 continue
-            reach = radius + 0.5 * math.hypot(sizes[j, 0], sizes[j, 1])
-            if abs(states[j, 8] - states[i, 8]) > LEVEL_GAP:
+            reach = radius + 0.5 * math.hypot(sizes[j, SizeCol.LENGTH], sizes[j, SizeCol.WIDTH])
+            if abs(states[j, Col.Z] - states[i, Col.Z]) > LEVEL_GAP:
                 continue
-            dx, dy = states[j, 0] - x, states[j, 1] - y
+            dx, dy = states[j, Col.X] - x, states[j, Col.Y] - y
             if dx * dx + dy * dy >= reach * reach:
                 continue
             if (
                 boxes_overlap(
                     x,
                     y,
-                    states[i, 2],
-                    sizes[i, 0],
-                    sizes[i, 1],
-                    states[j, 0],
-                    states[j, 1],
-                    states[j, 2],
-                    sizes[j, 0],
-                    sizes[j, 1],
+                    states[i, Col.YAW],
+                    sizes[i, SizeCol.LENGTH],
+                    sizes[i, SizeCol.WIDTH],
+                    states[j, Col.X],
+                    states[j, Col.Y],
+                    states[j, Col.YAW],
+                    sizes[j, SizeCol.LENGTH],
+                    sizes[j, SizeCol.WIDTH],
                 )
                 and count < found.shape[0]
             ):
                 seen[i, j] = True
-                found[count, 0], found[count, 1] = i, j
+                found[count, ContactCol.EGO], found[count, ContactCol.OTHER] = i, j
                 count += 1
     return count

@@ -10,16 +10,86 @@ SI units, radians, box centres; columns as in ``observations.trace``.
 from __future__ import annotations
 
 import math
+from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.array_shapes import BoolArray, ByteArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.geometry.kernels import wrap_to_pi
-from drivora_service.simulation.followers.followers import advance_followers
+from drivora_service.observations.trace import Col, EgoCol, SizeCol
+from drivora_service.simulation.followers.followers import Followers, advance_followers
 from drivora_service.simulation.motion.contacts import find_contacts
-from drivora_service.simulation.motion.route_tracking import follow_egos
-from drivora_service.simulation.motion.vehicle_dynamics import drive_vehicles
+from drivora_service.simulation.motion.route_tracking import EgoProgress, RouteArrays, follow_egos
+from drivora_service.simulation.motion.vehicle_dynamics import (
+    Body,
+    CommandMode,
+    DriveCommand,
+    EgoBodies,
+    drive_vehicles,
+)
+from drivora_service.simulation.world import WorldFrames
+
+
+class GroundCol(IntEnum):
+    """Columns of the first row of the ground; the others are patches, ``ground.PatchCol``."""
+
+    FRICTION = 0
+    """Tyre-road friction coefficient beside patches."""
+    WIND_X = 1
+    """Acceleration by the wind, m/s²."""
+    WIND_Y = 2
+
+
+class ObstacleCol(IntEnum):
+    """Columns of static actors."""
+
+    START_TIME = 0
+    """Seconds; inf for rows of other actors."""
+    STATE = 1
+    """The first of the columns ``Col``."""
+
+
+class Surroundings(NamedTuple):
+    """What acts on the actors of an episode, and its step.
+
+    Attributes:
+        dt: Step length, seconds.
+        ground: (1 + P, 8) a row of columns ``GroundCol`` and patches, columns ``ground.PatchCol``:
+            one array, since each adds time to a call.
+        static: (N, 10) actors that stand, columns ``ObstacleCol``.
+    """
+
+    dt: float
+    ground: FloatArray
+    static: FloatArray
+
+
+class PlacementCol(IntEnum):
+    """Columns of ``MovedRows.placements``."""
+
+    X = 0
+    """Of the front bumper, metres."""
+    Y = 1
+    ANGLE = 2
+    """SUMO's: degrees clockwise from north."""
+    MOVED = 3
+    """1 if the pose differs from the one before, else 0; negative if the row need not be placed."""
+
+
+class MovedRows(NamedTuple):
+    """The rows that the service moves, for SUMO.
+
+    Attributes:
+        is_moved: (N,) rows that the service moves.
+        known: (N,) rows that SUMO knows of.
+        placements: (N, 4), columns ``PlacementCol``.
+    """
+
+    is_moved: BoolArray
+    known: BoolArray
+    placements: FloatArray
 
 
 @compiled
@@ -28,24 +98,11 @@ def make_frame(
     after: int,
     time: float,
     told: bool,
-    dt: float,
-    ground: FloatArray,
-    states: FloatArray,
-    present: BoolArray,
-    sizes: FloatArray,
-    static: FloatArray,
-    bodies: FloatArray,
-    limits: FloatArray,
-    modes: IntArray,
-    commands: FloatArray,
-    in_world: BoolArray,
-    places: IntArray,
-    path: FloatArray,
-    followers: FloatArray,
-    is_moved: BoolArray,
-    known: BoolArray,
-    placements: FloatArray,
-    ego_values: FloatArray,
+    around: Surroundings,
+    frames: WorldFrames,
+    egos: EgoBodies,
+    followers: Followers,
+    moved: MovedRows,
 ) -> int:
     """Writes the rows of a frame that the service moves, and their placements for SUMO.
 
@@ -54,45 +111,42 @@ def make_frame(
         after: Index of the frame to write; 0 is the start, before any motion.
         time: Seconds of the frame to write.
         told: Whether SUMO is told of the frame; else no placements are written.
-        dt: Step length, seconds.
-        ground: (1 + P, 8) as of ``arrays.lay_ground``: one array, since each adds time to a call.
-        states: (rows, N, 9) frames of the world.
-        present: (rows, N).
-        sizes: (N, 2) metres.
-        static: (N, 10) as of ``arrays.lay_obstacles``.
-        bodies, limits, modes, commands: The egos', as in ``dynamics.drive_vehicles``.
-        in_world: (M,) egos that are on the road.
-        places, path, followers: As in ``followers.Followers``.
-        is_moved, known, placements: As in ``write_placements``.
-        ego_values: (rows, M, 8), columns ``EgoCol``; filled with the commands.
+        around: Ground, wind and static actors.
+        frames: The frames of the world.
+        egos: Moved; their commands are written into the values of the frame before.
+        followers: Moved.
+        moved: Placements are written.
 
     Returns:
         The number of moved rows that enter or leave with the frame; -1 without placements.
     """
-    frame, next_frame = states[before], states[after]
-    next_present = present[after]
-    friction, wind, patches = ground[0, 0], ground[0, 1:3], ground[1:]
+    dt, ground, static = around.dt, around.ground, around.static
+    sizes, bodies, modes, commands = frames.sizes, egos.bodies, egos.modes, egos.commands
+    frame, next_frame = frames.states[before], frames.states[after]
+    present, next_present = frames.present[before], frames.present[after]
+    friction, patches = ground[0, GroundCol.FRICTION], ground[1:]
+    wind = ground[0, GroundCol.WIND_X : GroundCol.WIND_Y + 1]
     for j in range(static.shape[0]):
-        next_present[j] = static[j, 0] <= time + 1e-9
+        next_present[j] = static[j, ObstacleCol.START_TIME] <= time + 1e-9
         if next_present[j]:
             for k in range(next_frame.shape[1]):
-                next_frame[j, k] = static[j, 1 + k]
+                next_frame[j, k] = static[j, ObstacleCol.STATE + k]
     if after > 0:
+        values = egos.values[before]
         for m in range(bodies.shape[0]):
-            if modes[m] == 1:
-                ego_values[before, m, 0] = commands[m, 0]
-                ego_values[before, m, 1] = commands[m, 1]
-        drive_vehicles(bodies, limits, modes, commands, friction, patches, wind, dt)
-    _write_egos(bodies, in_world, next_frame, next_present)
+            if modes[m] == CommandMode.DRIVE:
+                values[m, EgoCol.ACCELERATION] = commands[m, DriveCommand.ACCELERATION]
+                values[m, EgoCol.STEER] = commands[m, DriveCommand.STEER]
+        drive_vehicles(bodies, egos.limits, modes, commands, friction, patches, wind, dt)
+    _write_egos(bodies, egos.in_world, next_frame, next_present)
+    # Followers react to the frame before, in which no actor has moved yet: the order of rows does
+    # not matter.
     advance_followers(
-        time - dt, dt, friction, patches, places, path, followers, frame, sizes, present[before],
-        next_frame, next_present,
-    )  # fmt: skip
+        time - dt, dt, friction, patches, followers, frame, sizes, present, next_frame, next_present
+    )
     if not told:
         return -1
-    return write_placements(
-        frame, present[before], next_frame, next_present, sizes, is_moved, known, placements
-    )
+    return write_placements(frame, present, next_frame, next_present, sizes, moved)
 
 
 @compiled
@@ -101,20 +155,11 @@ def finish_frame(
     after: int,
     time: float,
     dt: float,
-    states: FloatArray,
-    present: BoolArray,
-    sizes: FloatArray,
-    bodies: FloatArray,
-    active: BoolArray,
+    frames: WorldFrames,
+    egos: EgoProgress,
+    routes: RouteArrays,
     seen: BoolArray,
     found: IntArray,
-    points: FloatArray,
-    signals: FloatArray,
-    parts: IntArray,
-    progress: FloatArray,
-    ego_values: FloatArray,
-    ego_lights: ByteArray,
-    ends: IntArray,
 ) -> tuple[int, int]:
     """Completes a frame with final poses, and detects contacts and terminal events.
 
@@ -123,26 +168,18 @@ def finish_frame(
         after: Index of the frame to complete.
         time: Seconds of that frame.
         dt: Step length, seconds.
-        states: (rows, N, 9) frames of the world.
-        present: (rows, N).
-        sizes: (N, 2) metres.
-        bodies: (M, 10) of the egos.
-        active: (M,) egos that are driving.
+        frames: The frames of the world; rates are written.
+        egos, routes: As in ``route_tracking.follow_egos``.
         seen, found: As in ``contacts.find_contacts``.
-        points, signals, parts, progress, ends: As in ``route_tracking.follow_egos``.
-        ego_values: (rows, M, 8), columns ``EgoCol``.
-        ego_lights: (rows, M).
 
     Returns:
         The number of filled rows of ``found``, and of egos whose parts end with this frame.
     """
-    frame = states[after]
-    _write_rates(states[before], present[before], frame, present[after], dt)
-    contacts = find_contacts(frame, sizes, present[after], active, seen, found)
-    ended = follow_egos(
-        time, dt, frame, present[after], sizes, bodies, active, points, signals, parts, progress,
-        ego_values[after], ego_lights[after], ends,
-    )  # fmt: skip
+    frame, present, sizes = frames.states[after], frames.present[after], frames.sizes
+    # SUMO's own vehicles have been written in between: rates are differences of final poses.
+    _write_rates(frames.states[before], frames.present[before], frame, present, dt)
+    contacts = find_contacts(frame, sizes, present, egos.active, seen, found)
+    ended = follow_egos(after, time, dt, frames, egos, routes)
     return contacts, ended
 
 
@@ -158,20 +195,20 @@ def _write_egos(
         next_present[m] = in_world[m]
         if not in_world[m]:
             continue
-        next_frame[m, 0] = bodies[m, 0]
-        next_frame[m, 1] = bodies[m, 1]
-        next_frame[m, 2] = bodies[m, 2]
+        next_frame[m, Col.X] = bodies[m, Body.X]
+        next_frame[m, Col.Y] = bodies[m, Body.Y]
+        next_frame[m, Col.YAW] = bodies[m, Body.YAW]
         write_velocity(bodies[m], next_frame[m])
-        next_frame[m, 8] = bodies[m, 8]
+        next_frame[m, Col.Z] = bodies[m, Body.HEIGHT]
 
 
 @compiled
 def write_velocity(body: FloatArray, state: FloatArray) -> None:
     """Writes a body's velocity into its row of a frame."""
-    v, side = body[3], body[4]
-    cos, sin = math.cos(body[2]), math.sin(body[2])
-    state[3] = v * cos - side * sin
-    state[4] = v * sin + side * cos
+    v, side = body[Body.SPEED], body[Body.SIDE_SPEED]
+    cos, sin = math.cos(body[Body.YAW]), math.sin(body[Body.YAW])
+    state[Col.VX] = v * cos - side * sin
+    state[Col.VY] = v * sin + side * cos
 
 
 @compiled
@@ -181,9 +218,7 @@ def write_placements(
     next_frame: FloatArray,
     next_present: BoolArray,
     sizes: FloatArray,
-    is_moved: BoolArray,
-    known: BoolArray,
-    placements: FloatArray,
+    moved: MovedRows,
 ) -> int:
     """Writes the placement of each moved row for SUMO.
 
@@ -192,14 +227,13 @@ def write_placements(
         present: (N,) of this frame.
         next_frame: (N, 9) next frame.
         next_present: (N,) of the next frame.
-        sizes: (N, 2) metres.
-        is_moved: (N,) rows that the service moves.
-        known: (N,) rows that SUMO knows of.
-        placements: (N, 4) filled: front bumper x, y, SUMO's angle, 1.0 if the pose changed.
+        sizes: (N, 2), columns ``SizeCol``.
+        moved: Its placements are filled for the present rows.
 
     Returns:
         The number of moved rows that enter or leave with the next frame.
     """
+    is_moved, known, placements = moved.is_moved, moved.known, moved.placements
     changes = 0
     for j in range(next_frame.shape[0]):
         if not is_moved[j]:
@@ -208,13 +242,14 @@ def write_placements(
             changes += 1
         if not next_present[j]:
             continue
-        x, y, yaw = next_frame[j, 0], next_frame[j, 1], next_frame[j, 2]
-        half = 0.5 * sizes[j, 0]
-        placements[j, 0] = x + half * math.cos(yaw)
-        placements[j, 1] = y + half * math.sin(yaw)
-        placements[j, 2] = (90.0 - math.degrees(yaw)) % 360.0
-        same = present[j] and frame[j, 0] == x and frame[j, 1] == y and frame[j, 2] == yaw
-        placements[j, 3] = 0.0 if same else 1.0
+        x, y, yaw = next_frame[j, Col.X], next_frame[j, Col.Y], next_frame[j, Col.YAW]
+        half = 0.5 * sizes[j, SizeCol.LENGTH]
+        placements[j, PlacementCol.X] = x + half * math.cos(yaw)
+        placements[j, PlacementCol.Y] = y + half * math.sin(yaw)
+        placements[j, PlacementCol.ANGLE] = (90.0 - math.degrees(yaw)) % 360.0
+        was = frame[j]
+        same = present[j] and was[Col.X] == x and was[Col.Y] == y and was[Col.YAW] == yaw
+        placements[j, PlacementCol.MOVED] = 0.0 if same else 1.0
     return changes
 
 
@@ -233,14 +268,14 @@ def _write_rates(
                 next_frame[j, k] = np.nan
             continue
         if not present[j]:
-            next_frame[j, 5] = 0.0
-            next_frame[j, 6] = 0.0
-            next_frame[j, 7] = 0.0
+            next_frame[j, Col.AX] = 0.0
+            next_frame[j, Col.AY] = 0.0
+            next_frame[j, Col.YAW_RATE] = 0.0
             continue
-        next_frame[j, 5] = (next_frame[j, 3] - frame[j, 3]) / dt
-        next_frame[j, 6] = (next_frame[j, 4] - frame[j, 4]) / dt
-        turn = wrap_to_pi(next_frame[j, 2] - frame[j, 2])
-        next_frame[j, 7] = turn / dt
+        next_frame[j, Col.AX] = (next_frame[j, Col.VX] - frame[j, Col.VX]) / dt
+        next_frame[j, Col.AY] = (next_frame[j, Col.VY] - frame[j, Col.VY]) / dt
+        turn = wrap_to_pi(next_frame[j, Col.YAW] - frame[j, Col.YAW])
+        next_frame[j, Col.YAW_RATE] = turn / dt
 
 
 @compiled
@@ -249,14 +284,14 @@ def take_over_driven(
 ) -> None:
     """Copies the state of egos that SUMO drives into their bodies."""
     for m in range(bodies.shape[0]):
-        if not driven[m] or math.isnan(next_frame[m, 0]):
+        if not driven[m] or math.isnan(next_frame[m, Col.X]):
             continue
-        before = bodies[m, 3]
-        bodies[m, 0] = next_frame[m, 0]
-        bodies[m, 1] = next_frame[m, 1]
-        bodies[m, 2] = next_frame[m, 2]
-        cos, sin = math.cos(next_frame[m, 2]), math.sin(next_frame[m, 2])
-        bodies[m, 3] = next_frame[m, 3] * cos + next_frame[m, 4] * sin
-        bodies[m, 4] = 0.0
-        bodies[m, 5] = next_frame[m, 7]
-        bodies[m, 7] = (bodies[m, 3] - before) / dt
+        before = bodies[m, Body.SPEED]
+        bodies[m, Body.X] = next_frame[m, Col.X]
+        bodies[m, Body.Y] = next_frame[m, Col.Y]
+        bodies[m, Body.YAW] = next_frame[m, Col.YAW]
+        cos, sin = math.cos(next_frame[m, Col.YAW]), math.sin(next_frame[m, Col.YAW])
+        bodies[m, Body.SPEED] = next_frame[m, Col.VX] * cos + next_frame[m, Col.VY] * sin
+        bodies[m, Body.SIDE_SPEED] = 0.0
+        bodies[m, Body.YAW_RATE] = next_frame[m, Col.YAW_RATE]
+        bodies[m, Body.ACCELERATION] = (bodies[m, Body.SPEED] - before) / dt

@@ -11,14 +11,20 @@ from drivora_service.agents.interface import (
     Control,
     PedalControl,
     PoseControl,
+    TrajectoryCol,
     TrajectoryControl,
 )
 from drivora_service.errors import AgentError
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.scenario.models.actor_models import ActorModel
-from drivora_service.simulation.motion.vehicle_dynamics import CommandMode
+from drivora_service.simulation.motion.vehicle_dynamics import (
+    CommandMode,
+    DriveCommand,
+    PoseCommand,
+)
 
 _DRIVE = int(CommandMode.DRIVE)
+_ACCELERATION, _STEER = int(DriveCommand.ACCELERATION), int(DriveCommand.STEER)
 _NOWHERE = 1e-6
 """Metres up to which two points of a trajectory are the same."""
 
@@ -30,7 +36,7 @@ def write_command(control: Control, model: ActorModel, dt: float, command: Float
         control: The agent's answer.
         model: Limits of the vehicle.
         dt: Step length, seconds.
-        command: (4,) array that is filled.
+        command: (4,) filled: columns ``DriveCommand`` or ``PoseCommand``, by the mode.
 
     Returns:
         The ``CommandMode`` of the row.
@@ -39,8 +45,8 @@ def write_command(control: Control, model: ActorModel, dt: float, command: Float
         AgentError: If the answer is not a control, or contains a number that is not finite.
     """
     if isinstance(control, AccelerationControl):
-        command[0], command[1] = acceleration, steer = control
-        # The usual answer, on the hot path: one check, without enum lookup.
+        # The usual answer, on the hot path: one check, without lookups in enums.
+        command[_ACCELERATION], command[_STEER] = acceleration, steer = control
         if math.isfinite(acceleration + steer):
             return _DRIVE
         mode = CommandMode.DRIVE
@@ -50,14 +56,14 @@ def write_command(control: Control, model: ActorModel, dt: float, command: Float
         # The result of min and max with NaN depends on the order: check before.
         if not math.isfinite(control.throttle + control.brake):
             raise _invalid(f"the agent answered pedals that are not finite: {control}")
-        command[0] = (
+        command[DriveCommand.ACCELERATION] = (
             -brake * model.max_deceleration if brake > 0.0 else throttle * model.max_acceleration
         )
-        command[1] = control.steer * model.max_steer
+        command[DriveCommand.STEER] = control.steer * model.max_steer
         mode = CommandMode.DRIVE
     elif isinstance(control, PoseControl):
-        command[0], command[1], command[2] = control.x, control.y, control.yaw
-        command[3] = math.nan if control.speed is None else control.speed
+        speed = math.nan if control.speed is None else control.speed
+        command[:] = control.x, control.y, control.yaw, speed
         if control.speed is not None and not math.isfinite(control.speed):
             raise _invalid(f"the agent answered a speed that is not finite: {control}")
         mode = CommandMode.POSE
@@ -69,7 +75,8 @@ def write_command(control: Control, model: ActorModel, dt: float, command: Float
             f"the agent answered {type(control).__name__}; allowed: PedalControl, "
             "AccelerationControl, PoseControl, TrajectoryControl"
         )
-    used = 2 if mode is CommandMode.DRIVE else 3
+    # A pose may lack a speed, which has been checked above.
+    used = len(DriveCommand) if mode is CommandMode.DRIVE else PoseCommand.SPEED
     if not math.isfinite(sum(command[:used].tolist())):
         raise _invalid(f"the agent answered a number that is not finite: {control}")
     return int(mode)
@@ -77,19 +84,23 @@ def write_command(control: Control, model: ActorModel, dt: float, command: Float
 
 def _write_trajectory(control: TrajectoryControl, dt: float, command: FloatArray) -> None:
     points = np.asarray(control.points, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 4 or len(points) < 2:
+    if points.ndim != 2 or points.shape[1] != len(TrajectoryCol) or len(points) < 2:
         raise _invalid(
             f"the agent answered a trajectory of shape {points.shape}; allowed: (n >= 2, 4) "
             "with columns time, x, y, speed"
         )
-    if not bool(np.all(np.isfinite(points))) or bool(np.any(np.diff(points[:, 0]) <= 0.0)):
+    if not bool(np.all(np.isfinite(points))) or bool(
+        np.any(np.diff(points[:, TrajectoryCol.TIME]) <= 0.0)
+    ):
         raise _invalid("the agent answered a trajectory with times that do not ascend, or NaN")
-    here, soon = points[:, 0] - dt, max(dt, 1e-3)
-    x, y, speed = (float(np.interp(0.0, here, points[:, k])) for k in (1, 2, 3))
-    ahead_x, ahead_y = (float(np.interp(soon, here, points[:, k])) for k in (1, 2))
+    here, soon = points[:, TrajectoryCol.TIME] - dt, max(dt, 1e-3)
+    ways = points[:, TrajectoryCol.X], points[:, TrajectoryCol.Y]
+    x, y = (float(np.interp(0.0, here, way)) for way in ways)
+    ahead_x, ahead_y = (float(np.interp(soon, here, way)) for way in ways)
+    speed = float(np.interp(0.0, here, points[:, TrajectoryCol.SPEED]))
     dx, dy = ahead_x - x, ahead_y - y
     if math.hypot(dx, dy) < _NOWHERE:
-        dx, dy = points[-1, 1] - points[0, 1], points[-1, 2] - points[0, 2]
+        dx, dy = (float(way[-1] - way[0]) for way in ways)
     # A vehicle that stops keeps its heading.
     yaw = math.atan2(dy, dx) if math.hypot(dx, dy) >= _NOWHERE else math.nan
     command[:] = (x, y, yaw, speed)

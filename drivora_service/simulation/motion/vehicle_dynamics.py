@@ -26,9 +26,10 @@ from __future__ import annotations
 
 import math
 from enum import IntEnum
+from typing import NamedTuple
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.array_shapes import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.geometry.kernels import wrap_to_pi
 from drivora_service.observations.ground import axle_frictions
 
@@ -86,11 +87,51 @@ class CommandMode(IntEnum):
     HOLD = 0
     """Stand still."""
     DRIVE = 1
-    """(acceleration m/s², front-wheel angle)."""
+    """Accelerate and steer; columns ``DriveCommand``."""
     POSE = 2
-    """(x, y, yaw or NaN, speed or NaN); NaN keeps the heading, or the direction of travel."""
+    """Move to a pose; columns ``PoseCommand``."""
     EXTERNAL = 3
     """The row is moved by SUMO."""
+
+
+class DriveCommand(IntEnum):
+    """Columns of ``commands`` in rows of ``CommandMode.DRIVE``."""
+
+    ACCELERATION = 0
+    """m/s²."""
+    STEER = 1
+    """Front-wheel angle."""
+
+
+class PoseCommand(IntEnum):
+    """Columns of ``commands`` in rows of ``CommandMode.POSE``."""
+
+    X = 0
+    Y = 1
+    YAW = 2
+    """NaN keeps the heading."""
+    SPEED = 3
+    """Speed at the pose; NaN: that of the displacement."""
+
+
+class EgoBodies(NamedTuple):
+    """The bodies of all egos and what moves them.
+
+    Attributes:
+        bodies: (M, 10), columns ``Body``.
+        limits: (M, 8), columns ``Limit``.
+        modes: (M,) ``CommandMode``.
+        commands: (M, 4), columns ``DriveCommand`` or ``PoseCommand``, by mode.
+        in_world: (M,) egos that are on the road.
+        values: (capacity, M, 8) of the frames, columns ``EgoCol``.
+    """
+
+    bodies: FloatArray
+    limits: FloatArray
+    modes: IntArray
+    commands: FloatArray
+    in_world: BoolArray
+    values: FloatArray
 
 
 @compiled
@@ -103,17 +144,21 @@ def _drive_kinematic(
     body: FloatArray, limits: FloatArray, asked: float, grip: float, wind: FloatArray, dt: float
 ) -> None:
     drift = _drift(body, grip, wind)
-    v = math.hypot(body[3], body[4])
-    wanted_slip = math.atan(0.5 * math.tan(body[6]))
-    slip = math.atan2(body[4], body[3]) - body[9] if v > _STILL else wanted_slip
-    turn = 2.0 * math.sin(slip) / limits[0]
+    v = math.hypot(body[Body.SPEED], body[Body.SIDE_SPEED])
+    wanted_slip = math.atan(0.5 * math.tan(body[Body.STEER]))
+    slip = (
+        math.atan2(body[Body.SIDE_SPEED], body[Body.SPEED]) - body[Body.DRIFT]
+        if v > _STILL
+        else wanted_slip
+    )
+    turn = 2.0 * math.sin(slip) / limits[Limit.WHEELBASE]
     # Lateral demand of the steering on the tyres; the wheels are turned, the body follows.
     wanted = abs(v * (v * turn + (wanted_slip - slip) / dt))
     reserve = min(wanted, _SIDE_RESERVE * grip)
     most = math.sqrt(grip * grip - reserve * reserve)
     acceleration = _clip(asked, -most, most)
     side_grip = math.sqrt(max(grip * grip - acceleration * acceleration, 0.0))
-    v_next = min(max(v + acceleration * dt, 0.0), limits[4])
+    v_next = min(max(v + acceleration * dt, 0.0), limits[Limit.MAX_SPEED])
     way = 0.5 * (v + v_next) * dt
     if v_next == 0.0:
         # It stands before the substep ends.
@@ -124,21 +169,21 @@ def _drive_kinematic(
     if mean > _STILL:
         most_turn = side_grip / max(v, v_next)
         slip_rate = _clip(slip_rate, -most_turn - yaw_rate, most_turn - yaw_rate)
-    course = body[2] + slip + drift + 0.5 * (yaw_rate + slip_rate) * dt
-    body[0] += way * math.cos(course)
-    body[1] += way * math.sin(course)
-    body[2] = wrap_to_pi(body[2] + yaw_rate * dt)
-    body[9] = _drift(body, grip, wind)
-    slip += slip_rate * dt + body[9]
-    body[3] = v_next * math.cos(slip)
-    body[4] = v_next * math.sin(slip)
-    body[5] = yaw_rate
+    course = body[Body.YAW] + slip + drift + 0.5 * (yaw_rate + slip_rate) * dt
+    body[Body.X] += way * math.cos(course)
+    body[Body.Y] += way * math.sin(course)
+    body[Body.YAW] = wrap_to_pi(body[Body.YAW] + yaw_rate * dt)
+    body[Body.DRIFT] = _drift(body, grip, wind)
+    slip += slip_rate * dt + body[Body.DRIFT]
+    body[Body.SPEED] = v_next * math.cos(slip)
+    body[Body.SIDE_SPEED] = v_next * math.sin(slip)
+    body[Body.YAW_RATE] = yaw_rate
 
 
 @compiled
 def _drift(body: FloatArray, grip: float, wind: FloatArray) -> float:
     """Returns the slip angle at which the tyres balance the wind; their curve is linear here."""
-    across = wind[1] * math.cos(body[2]) - wind[0] * math.sin(body[2])
+    across = wind[1] * math.cos(body[Body.YAW]) - wind[0] * math.sin(body[Body.YAW])
     return float(across / (_TYRE_B * _TYRE_C * grip))
 
 
@@ -152,8 +197,13 @@ def _drive_dynamic(
     wind: FloatArray,
     dt: float,
 ) -> None:
-    half = 0.5 * limits[0]
-    vx, vy, r, steer = body[3], body[4], body[5], body[6]
+    half = 0.5 * limits[Limit.WHEELBASE]
+    vx, vy, r, steer = (
+        body[Body.SPEED],
+        body[Body.SIDE_SPEED],
+        body[Body.YAW_RATE],
+        body[Body.STEER],
+    )
     ahead_cos, ahead_sin = math.cos(steer), math.sin(steer)
     # Forces in units of the maximum force of the axle's tyres, half the weight times its mu.
     front = math.sin(_TYRE_C * math.atan(_TYRE_B * (steer - math.atan2(vy + half * r, vx))))
@@ -165,32 +215,34 @@ def _drive_dynamic(
     front_scale, rear_scale = 0.5 * front_mu * GRAVITY, 0.5 * rear_mu * GRAVITY
     front_ahead = front_scale * (front_push * ahead_cos - front * ahead_sin)
     front_side = front_scale * (front_push * ahead_sin + front * ahead_cos)
-    across = wind[1] * math.cos(body[2]) - wind[0] * math.sin(body[2])
+    across = wind[1] * math.cos(body[Body.YAW]) - wind[0] * math.sin(body[Body.YAW])
     vx_rate = front_ahead + rear_scale * rear_push + vy * r
     vy_rate = front_side + rear_scale * rear + across - vx * r
-    r_rate = half * limits[5] * (front_side - rear_scale * rear) / limits[6]
-    body[3] = min(vx + vx_rate * dt, limits[4])
-    body[4] = vy + vy_rate * dt
-    body[5] = r + r_rate * dt
-    body[2] = wrap_to_pi(body[2] + body[5] * dt)
-    cos, sin = math.cos(body[2]), math.sin(body[2])
-    body[0] += (body[3] * cos - body[4] * sin) * dt
-    body[1] += (body[3] * sin + body[4] * cos) * dt
-    body[9] = across / (_TYRE_B * _TYRE_C * (0.5 * (front_mu + rear_mu)) * GRAVITY)
+    r_rate = (
+        half * limits[Limit.MASS] * (front_side - rear_scale * rear) / limits[Limit.YAW_INERTIA]
+    )
+    body[Body.SPEED] = min(vx + vx_rate * dt, limits[Limit.MAX_SPEED])
+    body[Body.SIDE_SPEED] = vy + vy_rate * dt
+    body[Body.YAW_RATE] = r + r_rate * dt
+    body[Body.YAW] = wrap_to_pi(body[Body.YAW] + body[Body.YAW_RATE] * dt)
+    cos, sin = math.cos(body[Body.YAW]), math.sin(body[Body.YAW])
+    body[Body.X] += (body[Body.SPEED] * cos - body[Body.SIDE_SPEED] * sin) * dt
+    body[Body.Y] += (body[Body.SPEED] * sin + body[Body.SIDE_SPEED] * cos) * dt
+    body[Body.DRIFT] = across / (_TYRE_B * _TYRE_C * (0.5 * (front_mu + rear_mu)) * GRAVITY)
 
 
 @compiled
 def _slide(body: FloatArray, grip: float, dt: float) -> None:
     """Moves a vehicle that slides crosswise: straight on, slowed by its tyres, not turning."""
-    v = math.hypot(body[3], body[4])
+    v = math.hypot(body[Body.SPEED], body[Body.SIDE_SPEED])
     v_next = max(v - grip * dt, 0.0)
-    course = body[2] + math.atan2(body[4], body[3])
+    course = body[Body.YAW] + math.atan2(body[Body.SIDE_SPEED], body[Body.SPEED])
     way = 0.5 * (v + v_next) * dt
-    body[0] += way * math.cos(course)
-    body[1] += way * math.sin(course)
-    body[3] *= v_next / v
-    body[4] *= v_next / v
-    body[5] = 0.0
+    body[Body.X] += way * math.cos(course)
+    body[Body.Y] += way * math.sin(course)
+    body[Body.SPEED] *= v_next / v
+    body[Body.SIDE_SPEED] *= v_next / v
+    body[Body.YAW_RATE] = 0.0
 
 
 @compiled
@@ -205,36 +257,41 @@ def _along_tyre(push: float, side: float) -> float:
 def _drive_to_pose(
     body: FloatArray, limits: FloatArray, command: FloatArray, grip: float, dt: float
 ) -> None:
-    dx, dy = command[0] - body[0], command[1] - body[1]
-    along = dx * math.cos(body[2]) + dy * math.sin(body[2])
-    side = -dx * math.sin(body[2]) + dy * math.cos(body[2])
-    low = body[3] - min(limits[2], grip) * dt
-    high = min(body[3] + min(limits[1], grip) * dt, limits[4])
+    dx, dy = command[PoseCommand.X] - body[Body.X], command[PoseCommand.Y] - body[Body.Y]
+    along = dx * math.cos(body[Body.YAW]) + dy * math.sin(body[Body.YAW])
+    side = -dx * math.sin(body[Body.YAW]) + dy * math.cos(body[Body.YAW])
+    low = body[Body.SPEED] - min(limits[Limit.MAX_DECELERATION], grip) * dt
+    high = min(
+        body[Body.SPEED] + min(limits[Limit.MAX_ACCELERATION], grip) * dt, limits[Limit.MAX_SPEED]
+    )
     wanted = max(along / dt, 0.0)
     speed = min(max(wanted, low, 0.0), max(high, 0.0))
     scale = speed / wanted if wanted > speed else 1.0
     room = SLIDE_SLOPE * speed * dt
     side = min(max(side * scale, -room), room)
-    turn = 0.0 if math.isnan(command[2]) else wrap_to_pi(command[2] - body[2])
+    yaw, speed_there = command[PoseCommand.YAW], command[PoseCommand.SPEED]
+    turn = 0.0 if math.isnan(yaw) else wrap_to_pi(yaw - body[Body.YAW])
     # Grip used for braking and driving is not available for turning.
-    taken = min(abs(speed - body[3]) / dt, grip)
+    taken = min(abs(speed - body[Body.SPEED]) / dt, grip)
     side_grip = max(math.sqrt(grip * grip - taken * taken), _SIDE_RESERVE * grip)
     most = (side_grip / speed if speed > 1.0 else side_grip) * dt
     turn = min(max(turn, -most), most)
     if speed < 0.05:
         turn = 0.0
-    cos, sin = math.cos(body[2]), math.sin(body[2])
-    body[0] += speed * dt * cos - side * sin
-    body[1] += speed * dt * sin + side * cos
-    body[2] = wrap_to_pi(body[2] + turn)
-    if not math.isnan(command[3]):
+    cos, sin = math.cos(body[Body.YAW]), math.sin(body[Body.YAW])
+    body[Body.X] += speed * dt * cos - side * sin
+    body[Body.Y] += speed * dt * sin + side * cos
+    body[Body.YAW] = wrap_to_pi(body[Body.YAW] + turn)
+    if not math.isnan(speed_there):
         # The planner's own speed at the pose, within what this step could reach.
-        speed = min(max(command[3], low, 0.0), max(high, 0.0))
-    body[3] = speed
-    body[4] = 0.0
-    body[9] = 0.0
-    body[5] = turn / dt
-    body[6] = math.atan(body[5] * limits[0] / speed) if speed > 0.5 else 0.0
+        speed = min(max(speed_there, low, 0.0), max(high, 0.0))
+    body[Body.SPEED] = speed
+    body[Body.SIDE_SPEED] = 0.0
+    body[Body.DRIFT] = 0.0
+    body[Body.YAW_RATE] = turn / dt
+    body[Body.STEER] = (
+        math.atan(body[Body.YAW_RATE] * limits[Limit.WHEELBASE] / speed) if speed > 0.5 else 0.0
+    )
 
 
 @compiled
@@ -254,7 +311,7 @@ def drive_vehicles(
         bodies: (M, 10), columns ``Body``; changed in place.
         limits: (M, 8), columns ``Limit``.
         modes: (M,) ``CommandMode``.
-        commands: (M, 4), meaning by mode.
+        commands: (M, 4), columns ``DriveCommand`` or ``PoseCommand``, by mode.
         friction: Tyre-road friction coefficient.
         patches: (P, 8) places with less, columns ``ground.PatchCol``.
         wind: (2,) force of the wind by mass in m/s², x and y; its component across a vehicle acts.
@@ -262,26 +319,26 @@ def drive_vehicles(
     """
     for m in range(bodies.shape[0]):
         body, limit = bodies[m], limits[m]
-        before = body[3]
-        if modes[m] == 3:
+        before = body[Body.SPEED]
+        if modes[m] == CommandMode.EXTERNAL:
             continue
-        if modes[m] == 0:
-            body[3] = 0.0
-            body[4] = 0.0
-            body[5] = 0.0
-            body[7] = 0.0
-            body[9] = 0.0
+        if modes[m] == CommandMode.HOLD:
+            body[Body.SPEED] = 0.0
+            body[Body.SIDE_SPEED] = 0.0
+            body[Body.YAW_RATE] = 0.0
+            body[Body.ACCELERATION] = 0.0
+            body[Body.DRIFT] = 0.0
             continue
-        if modes[m] == 2:
+        if modes[m] == CommandMode.POSE:
             front, rear = _under_axles(body, limit, friction, patches)
             grip = 0.5 * (front + rear) * GRAVITY
-            drift = body[3] * _drift(body, grip, wind) * dt
-            body[0] -= drift * math.sin(body[2])
-            body[1] += drift * math.cos(body[2])
+            drift = body[Body.SPEED] * _drift(body, grip, wind) * dt
+            body[Body.X] -= drift * math.sin(body[Body.YAW])
+            body[Body.Y] += drift * math.cos(body[Body.YAW])
             _drive_to_pose(body, limit, commands[m], grip, dt)
         else:
             _drive(body, limit, commands[m], friction, patches, wind, dt)
-        body[7] = (body[3] - before) / dt
+        body[Body.ACCELERATION] = (body[Body.SPEED] - before) / dt
 
 
 @compiled
@@ -292,7 +349,14 @@ def _under_axles(
     if patches.shape[0] == 0:
         return friction, friction
     return axle_frictions(
-        body[0], body[1], body[8], math.cos(body[2]), math.sin(body[2]), limit[0], friction, patches
+        body[Body.X],
+        body[Body.Y],
+        body[Body.HEIGHT],
+        math.cos(body[Body.YAW]),
+        math.sin(body[Body.YAW]),
+        limit[Limit.WHEELBASE],
+        friction,
+        patches,
     )
 
 
@@ -307,7 +371,7 @@ def _drive(
     dt: float,
 ) -> None:
     """Moves an ego by acceleration and wheel angle."""
-    steer = _clip(command[1], -limit[3], limit[3])
+    steer = _clip(command[DriveCommand.STEER], -limit[Limit.MAX_STEER], limit[Limit.MAX_STEER])
     count = max(math.ceil(dt / SUBSTEP - 1e-9), 1)
     step = dt / count
     turned = STEER_RATE * step
@@ -315,17 +379,27 @@ def _drive(
         # Patches are met within a step.
         front, rear = _under_axles(body, limit, friction, patches)
         grip = 0.5 * (front + rear) * GRAVITY
-        is_dynamic = limit[7] > 0.5 and math.hypot(body[3], body[4]) > _DYNAMIC_FROM_SPEED
+        is_dynamic = (
+            limit[Limit.DYNAMIC] > 0.5
+            and math.hypot(body[Body.SPEED], body[Body.SIDE_SPEED]) > _DYNAMIC_FROM_SPEED
+        )
         # In the dynamic model each axle transmits what it can of the brakes' and the motor's force.
         reachable = max(front, rear) * GRAVITY if is_dynamic else grip
-        braking, pull = min(limit[2], reachable), min(limit[1], reachable)
+        braking, pull = (
+            min(limit[Limit.MAX_DECELERATION], reachable),
+            min(limit[Limit.MAX_ACCELERATION], reachable),
+        )
         # The traction decreases with the speed and is 0 at the top speed.
-        most = min(pull, limit[1] * max(0.0, 1.0 - body[3] / limit[4]))
-        asked = _clip(command[0], -braking, most)
-        body[6] += _clip(steer - body[6], -turned, turned)
+        most = min(
+            pull,
+            limit[Limit.MAX_ACCELERATION]
+            * max(0.0, 1.0 - body[Body.SPEED] / limit[Limit.MAX_SPEED]),
+        )
+        asked = _clip(command[DriveCommand.ACCELERATION], -braking, most)
+        body[Body.STEER] += _clip(steer - body[Body.STEER], -turned, turned)
         if not is_dynamic:
             _drive_kinematic(body, limit, asked, grip, wind, step)
-        elif body[3] > _CROSSWISE * math.hypot(body[3], body[4]):
+        elif body[Body.SPEED] > _CROSSWISE * math.hypot(body[Body.SPEED], body[Body.SIDE_SPEED]):
             _drive_dynamic(body, limit, asked, front, rear, wind, step)
         else:
             _slide(body, grip, step)

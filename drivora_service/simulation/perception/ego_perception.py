@@ -12,13 +12,15 @@ from __future__ import annotations
 
 import math
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.observations.sight import distances_to_boxes, is_hidden_by
-from drivora_service.observations.trace import LEVEL_GAP
+from drivora_service.observations.trace import LEVEL_GAP, Col, SizeCol
+from drivora_service.simulation.world import WorldFrames
 
 
 class Sense(IntEnum):
@@ -53,88 +55,108 @@ class Sight(IntEnum):
     """Other actors hide it."""
 
 
-_ABSENT, _PERCEIVED, _OTHER_LEVEL = int(Sight.ABSENT), int(Sight.PERCEIVED), int(Sight.OTHER_LEVEL)
-_OUT_OF_RANGE, _DROPPED = int(Sight.OUT_OF_RANGE), int(Sight.DROPPED)
-_HIDDEN = int(Sight.HIDDEN)
-_RANGE, _LAG, _HIDES = int(Sense.RANGE), int(Sense.LAG), int(Sense.HIDES)
-_POSITION_NOISE, _SPEED_NOISE = int(Sense.POSITION_NOISE), int(Sense.SPEED_NOISE)
-_DROPOUT = int(Sense.DROPOUT)
+class Draw(IntEnum):
+    """Columns of an actor's random draws: standard normal, the last one uniform in [0, 1)."""
+
+    X = 0
+    Y = 1
+    VX = 2
+    VY = 3
+    DROPOUT = 4
+
+
+class Seen(NamedTuple):
+    """Buffers for the actors that an ego perceives, a row for each.
+
+    Attributes:
+        states: (N, 9), columns ``Col``.
+        sizes: (N, 2), columns ``SizeCol``.
+        kinds: (N,) ``ObjectKind``.
+        ids: (N,) rows of the actors in the world.
+    """
+
+    states: FloatArray
+    sizes: FloatArray
+    kinds: IntArray
+    ids: IntArray
+
+
+def empty_seen(count: int) -> Seen:
+    """Returns buffers for as many actors."""
+    return Seen(
+        states=np.zeros((count, len(Col))),
+        sizes=np.zeros((count, len(SizeCol))),
+        kinds=np.zeros(count, dtype=np.int64),
+        ids=np.zeros(count, dtype=np.int64),
+    )
 
 
 @compiled
 def perceive(
     ego: int,
     step: int,
-    frames: FloatArray,
-    presence: BoolArray,
-    sizes: FloatArray,
+    frames: WorldFrames,
     heights: FloatArray,
     kinds: IntArray,
     senses: FloatArray,
     draws: FloatArray,
-    seen: FloatArray,
-    seen_sizes: FloatArray,
-    seen_numbers: IntArray,
+    seen: Seen,
     sights: IntArray,
 ) -> int:
-    """Fills the arrays with the actors that ``ego`` perceives.
+    """Fills ``seen`` with the actors that ``ego`` perceives.
 
     Args:
         ego: Row of the ego.
         step: Index of the frame.
-        frames: (rows, N, 9) frames of the world.
-        presence: (rows, N) whether each actor is in the world.
-        sizes: (N, 2) length and width, metres.
+        frames: The frames of the world.
         heights: (N,) metres.
-        kinds: (N,) kind of each actor.
+        kinds: (N,) ``ObjectKind``.
         senses: (6,) columns ``Sense``.
-        draws: (N, 5) four standard normal and one uniform draw for each actor; unused without
-            noise.
-        seen: (N, 9) states, filled.
-        seen_sizes: (N, 2) sizes, filled.
-        seen_numbers: (2, N) kinds and rows of the actors, filled.
+        draws: (N, 5), columns ``Draw``; unused without noise.
+        seen: Filled.
         sights: (N,) ``Sight`` of every actor, filled.
 
     Returns:
         The number of actors perceived.
     """
-    shown = max(step - int(senses[_LAG]), 0)
-    states, present = frames[shown], presence[shown]
-    position_noise, speed_noise = senses[_POSITION_NOISE], senses[_SPEED_NOISE]
-    dropout = senses[_DROPOUT]
+    shown = max(step - int(senses[Sense.LAG]), 0)
+    states, present, sizes = frames.states[shown], frames.present[shown], frames.sizes
+    seen_states, seen_sizes, seen_kinds, seen_ids = seen.states, seen.sizes, seen.kinds, seen.ids
+    position_noise, speed_noise = senses[Sense.POSITION_NOISE], senses[Sense.SPEED_NOISE]
+    dropout = senses[Sense.DROPOUT]
     count = 0
-    x, y = states[ego, 0], states[ego, 1]
+    x, y = states[ego, Col.X], states[ego, Col.Y]
     noisy = position_noise > 0.0 or speed_noise > 0.0 or dropout > 0.0
-    hides = senses[_HIDES] > 0.0
+    hides = senses[Sense.HIDES] > 0.0
     near = distances_to_boxes(ego, states, present, sizes)
     blockers = np.empty(states.shape[0] if hides else 0, dtype=np.int64)
     for j in range(states.shape[0]):
         if j == ego or not present[j]:
-            sights[j] = _ABSENT
+            sights[j] = Sight.ABSENT
             continue
-        if abs(states[j, 8] - states[ego, 8]) > LEVEL_GAP:
-            sights[j] = _OTHER_LEVEL
+        if abs(states[j, Col.Z] - states[ego, Col.Z]) > LEVEL_GAP:
+            sights[j] = Sight.OTHER_LEVEL
             continue
-        if math.hypot(states[j, 0] - x, states[j, 1] - y) > senses[_RANGE]:
-            sights[j] = _OUT_OF_RANGE
+        if math.hypot(states[j, Col.X] - x, states[j, Col.Y] - y) > senses[Sense.RANGE]:
+            sights[j] = Sight.OUT_OF_RANGE
             continue
-        if noisy and draws[j, 4] < dropout:
-            sights[j] = _DROPPED
+        if noisy and draws[j, Draw.DROPOUT] < dropout:
+            sights[j] = Sight.DROPPED
             continue
         if hides and is_hidden_by(ego, j, near, blockers, states, sizes, heights):
-            sights[j] = _HIDDEN
+            sights[j] = Sight.HIDDEN
             continue
-        sights[j] = _PERCEIVED
+        sights[j] = Sight.PERCEIVED
         for k in range(states.shape[1]):
-            seen[count, k] = states[j, k]
+            seen_states[count, k] = states[j, k]
         if noisy:
-            seen[count, 0] += position_noise * draws[j, 0]
-            seen[count, 1] += position_noise * draws[j, 1]
-            seen[count, 3] += speed_noise * draws[j, 2]
-            seen[count, 4] += speed_noise * draws[j, 3]
-        seen_sizes[count, 0] = sizes[j, 0]
-        seen_sizes[count, 1] = sizes[j, 1]
-        seen_numbers[0, count] = kinds[j]
-        seen_numbers[1, count] = j
+            seen_states[count, Col.X] += position_noise * draws[j, Draw.X]
+            seen_states[count, Col.Y] += position_noise * draws[j, Draw.Y]
+            seen_states[count, Col.VX] += speed_noise * draws[j, Draw.VX]
+            seen_states[count, Col.VY] += speed_noise * draws[j, Draw.VY]
+        seen_sizes[count, SizeCol.LENGTH] = sizes[j, SizeCol.LENGTH]
+        seen_sizes[count, SizeCol.WIDTH] = sizes[j, SizeCol.WIDTH]
+        seen_kinds[count] = kinds[j]
+        seen_ids[count] = j
         count += 1
     return count

@@ -21,12 +21,12 @@ from drivora_service.scenario.model import NpcWalker, Scenario
 from drivora_service.scenario.models.actor_models import ActorKind, ActorModel, actor_model
 from drivora_service.simulation.episode_changes import joining_actors, weather_by_step
 from drivora_service.simulation.perception.actor_heights import actor_heights
-from drivora_service.simulation.perception.ego_perception import perceive
+from drivora_service.simulation.perception.ego_perception import Draw, empty_seen, perceive
 from drivora_service.simulation.perception.sensor_noise import SensorNoise, ego_seeds, is_noisy
 from drivora_service.simulation.planning import plan_episode
 from drivora_service.simulation.plans.episode_plan import EpisodePlan
 from drivora_service.simulation.plans.plan_arrays import privileged_senses, senses_of
-from drivora_service.simulation.world import KIND_OF_ROLE
+from drivora_service.simulation.world import KIND_OF_ROLE, WorldFrames
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -68,11 +68,11 @@ def perceive_again(scenario: Scenario, ego: EgoView) -> Perceived:
     usual = senses_of(weather_at(ego.first), trace.step_length)
     senses = privileged_senses() if trace.privileged[ego.row] else usual
     noise = SensorNoise(ego_seeds(plan.scenario.seed, trace.ego_count)[ego.row])
-    draws = np.zeros((count, 5))
-    seen, seen_sizes = np.zeros((count, len(Col))), np.zeros((count, 2))
-    numbers, sights = np.zeros((2, count), dtype=np.int64), np.zeros(count, dtype=np.int64)
-    frames = np.ascontiguousarray(trace.states)
-    presence = np.ascontiguousarray(trace.present)
+    draws = np.zeros((count, len(Draw)))
+    seen, sights = empty_seen(count), np.zeros(count, dtype=np.int64)
+    frames = WorldFrames(
+        np.ascontiguousarray(trace.states), np.ascontiguousarray(trace.present), sizes
+    )
     # In the last row of its part, an agent is not asked any more.
     steps = max(trace.ego_end_steps[ego.row] - ego.first, 0)
     found = Perceived(
@@ -88,11 +88,10 @@ def perceive_again(scenario: Scenario, ego: EgoView) -> Perceived:
             noise.draw(draws[: len(known) + bisect_right(join_steps, ego.first + k)])
         senses = privileged_senses() if trace.privileged[ego.row] else usual
         perceived = perceive(
-            ego.row, ego.first + k, frames, presence, sizes, heights, kinds, senses, draws,
-            seen, seen_sizes, numbers, sights,
-        )  # fmt: skip
+            ego.row, ego.first + k, frames, heights, kinds, senses, draws, seen, sights
+        )
         found.sights[k] = sights
-        found.states[k, numbers[1, :perceived]] = seen[:perceived]
+        found.states[k, seen.ids[:perceived]] = seen.states[:perceived]
     return found
 
 

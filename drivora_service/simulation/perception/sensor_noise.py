@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drivora_service.geometry.array_shapes import FloatArray
-from drivora_service.simulation.perception.ego_perception import Sense
+from drivora_service.simulation.perception.ego_perception import Draw, Sense
 
 _STREAM = 2
 """Number of the egos' random draws among those of a seed."""
@@ -28,6 +28,7 @@ class SensorNoise:
         self._random = np.random.default_rng(seed)
 
     def draw(self, draws: FloatArray) -> None:
-        """Fills the (N, 5) draws of ``perceive`` for the next step."""
-        draws[:, :4] = self._random.standard_normal((len(draws), 4))
-        draws[:, 4] = self._random.random(len(draws))
+        """Fills the (N, 5) draws of ``perceive``, columns ``Draw``, for the next step."""
+        normal = self._random.standard_normal((len(draws), Draw.DROPOUT))
+        draws[:, : Draw.DROPOUT] = normal
+        draws[:, Draw.DROPOUT] = self._random.random(len(draws))

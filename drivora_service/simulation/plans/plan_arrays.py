@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,8 +15,14 @@ from drivora_service.scenario.models.actor_models import ActorModel
 from drivora_service.scenario.weather import WeatherEffects
 from drivora_service.simulation.followers.follower_path import PathCol, write_directions
 from drivora_service.simulation.followers.follower_state import FollowerCol, FollowerPhase, Reaction
-from drivora_service.simulation.followers.followers import Followers
-from drivora_service.simulation.motion.route_tracking import PERMISSIVE, Progress
+from drivora_service.simulation.followers.followers import Followers, PlaceCol
+from drivora_service.simulation.motion.route_tracking import (
+    PERMISSIVE,
+    Progress,
+    RouteArrays,
+    SignalCol,
+)
+from drivora_service.simulation.motion.step_kernels import GroundCol, ObstacleCol
 from drivora_service.simulation.motion.vehicle_dynamics import Limit
 from drivora_service.simulation.perception.ego_perception import Sense
 from drivora_service.simulation.plans.episode_plan import EgoPlan, FollowerPlan, ObstaclePlan
@@ -79,25 +84,30 @@ def lay_followers(plans: Sequence[FollowerPlan], rows: Sequence[int]) -> Followe
     )
 
 
-def append_follower(followers: Followers, plan: FollowerPlan, row: int) -> None:
-    """Adds a follower during the run."""
+def append_follower(followers: Followers, plan: FollowerPlan, row: int) -> Followers:
+    """Returns the followers of a run and one more."""
     more = lay_followers([plan], [row])
-    more.places[:, 1] += len(followers.path)
-    followers.places = np.concatenate((followers.places, more.places))
-    followers.path = np.concatenate((followers.path, more.path))
-    followers.state = np.concatenate((followers.state, more.state))
+    more.places[:, PlaceCol.PATH] += len(followers.path)
+    return Followers(
+        places=np.concatenate((followers.places, more.places)),
+        path=np.concatenate((followers.path, more.path)),
+        state=np.concatenate((followers.state, more.state)),
+    )
 
 
 def lay_obstacles(plans: Sequence[ObstaclePlan], rows: Sequence[int], count: int) -> FloatArray:
-    """Returns static actors as (count, 10): time of appearance (inf for other rows) and state."""
-    static = np.full((count, 1 + len(Col)), np.inf)
+    """Returns static actors as (count, 10), columns ``ObstacleCol``; inf in all other rows."""
+    static = np.full((count, ObstacleCol.STATE + len(Col)), np.inf)
     for plan, row in zip(plans, rows, strict=True):
-        static[row] = (plan.obstacle.start_time, *plan.pose, 0.0, 0.0, 0.0, 0.0, 0.0, plan.height)
+        static[row, ObstacleCol.START_TIME] = plan.obstacle.start_time
+        state = static[row, ObstacleCol.STATE :]
+        state[:] = 0.0
+        state[: Col.YAW + 1], state[Col.Z] = plan.pose, plan.height
     return static
 
 
 def senses_of(weather: WeatherEffects, step_length: float) -> FloatArray:
-    """Returns the (M,) columns ``perception.Sense`` of an ego that the weather limits."""
+    """Returns the (6,) senses, columns ``Sense``, of an ego that the weather limits."""
     senses = np.zeros(len(Sense))
     senses[Sense.RANGE] = weather.perception_range
     senses[Sense.POSITION_NOISE] = weather.position_noise
@@ -125,12 +135,12 @@ def wind_of(weather: WeatherEffects) -> FloatArray:
 def lay_ground(weather: WeatherEffects, patches: FloatArray) -> FloatArray:
     """Returns the road as (1 + P, 8).
 
-    The first row is its friction coefficient and the (2,) acceleration by the wind, m/s²; the
-    others are the patches, columns ``ground.PatchCol``.
+    The first row has the columns ``GroundCol``; the others are the patches, columns
+    ``ground.PatchCol``.
     """
     ground = np.zeros((1 + len(patches), len(PatchCol)))
-    ground[0, 0] = weather.friction
-    ground[0, 1:3] = wind_of(weather)
+    ground[0, GroundCol.FRICTION] = weather.friction
+    ground[0, GroundCol.WIND_X : GroundCol.WIND_Y + 1] = wind_of(weather)
     ground[1:] = patches
     return ground
 
@@ -146,23 +156,6 @@ def first_progress(egos: Sequence[EgoPlan], stuck_after: float) -> FloatArray:
     return progress
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RouteArrays:
-    """The egos' routes and signals as concatenated arrays for ``follow_egos``.
-
-    Attributes:
-        points: (n, 5) x, y, arc length, height and speed limit of all points; metres, m/s.
-        signals: (S, 2 + 2 p) arc length of the stop line, ascending a route; offset in seconds;
-            the ends of the p stages within the cycle, padded with the cycle; and the state of each
-            stage: ``Light`` or ``PERMISSIVE``.
-        parts: (M, 4) begin and end of each route's points and of its signals.
-    """
-
-    points: FloatArray
-    signals: FloatArray
-    parts: IntArray
-
-
 def lay_routes(egos: Sequence[EgoPlan], programs: Sequence[RunningProgram]) -> RouteArrays:
     """Concatenates the egos' routes."""
     by_id = {program.id: program for program in programs}
@@ -174,10 +167,11 @@ def lay_routes(egos: Sequence[EgoPlan], programs: Sequence[RunningProgram]) -> R
         if signal.traffic_light in by_id
     ]
     most = max((len(program.phases) for _, program in signals), default=1)
-    laid = np.zeros((len(signals), 2 + 2 * most))
+    codes_from = SignalCol.STAGES + most
+    laid = np.zeros((len(signals), codes_from + most))
     for row, (signal, program) in zip(laid, signals, strict=True):
-        ends, codes = row[2 : 2 + most], row[2 + most :]
-        row[:2] = signal.s, program.offset
+        ends, codes = row[SignalCol.STAGES : codes_from], row[codes_from:]
+        row[SignalCol.STOP_LINE], row[SignalCol.OFFSET] = signal.s, program.offset
         ends[:] = program.ends[-1]
         ends[: len(program.ends)] = program.ends
         for p, phase in enumerate(program.phases):

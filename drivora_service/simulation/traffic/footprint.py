@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +23,25 @@ REACH = 0.2
 
 _MOST_LANES = 32
 _MOST_CORNERS = 12
+
+
+class Box(NamedTuple):
+    """A box on the road: its centre, heading and size."""
+
+    x: float
+    y: float
+    yaw: float
+    length: float
+    width: float
+
+
+class _FoundCol(IntEnum):
+    """Columns of stretches that ``_lanes_under`` finds, as of ``Overlap``."""
+
+    LANE = 0
+    BEGIN = 1
+    END = 2
+    HEADING = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,30 +61,22 @@ class Overlap:
     heading: float
 
 
-def lanes_under(
-    network: RoadNetwork,
-    pose: tuple[float, float, float],
-    height: float,
-    length: float,
-    width: float,
-) -> tuple[Overlap, ...]:
+def lanes_under(network: RoadNetwork, box: Box, height: float) -> tuple[Overlap, ...]:
     """Finds the drivable lanes into which a box reaches by more than ``REACH``.
 
     Args:
         network: The network.
-        pose: x, y, yaw of the box centre.
+        box: The box.
         height: Height in metres, which distinguishes the levels of a bridge.
-        length: Length of the box, metres.
-        width: Width of the box, metres.
 
     Returns:
         One stretch for each lane, in order of lane indices.
     """
     index = segment_index(network, True)
-    found = np.empty((_MOST_LANES, 4))
+    found = np.empty((_MOST_LANES, len(_FoundCol)))
     count = _lanes_under(
         index.segments, index.lanes, index.origin, index.columns, index.rows, index.cell_starts,
-        index.cell_items, index.half_widths, *pose, length, width, found,
+        index.cell_items, index.half_widths, box, found,
     )  # fmt: skip
     overlaps = []
     for lane_index, begin, end, heading in sorted(found[:count].tolist()):
@@ -104,14 +117,16 @@ def _lanes_under(
     cell_starts: Int32Array,
     cell_items: Int32Array,
     half_widths: FloatArray,
-    x: float,
-    y: float,
-    yaw: float,
-    length: float,
-    width: float,
+    box: Box,
     found: FloatArray,
 ) -> int:
-    """Fills ``found`` with lane index, begin, end and heading; returns the number of rows."""
+    """Fills ``found``, columns ``_FoundCol``; returns the number of rows.
+
+    The box is clipped in the frame of each segment of a centre line: first to the span of the
+    segment, which gives how far the part beside it reaches across the lane's edges; then to the
+    width of the lane, which gives the stretch along it.
+    """
+    x, y, yaw, length, width = box
     count = 0
     cos, sin = math.cos(yaw), math.sin(yaw)
     radius = 0.5 * math.hypot(length, width) + half_widths.max()
@@ -119,7 +134,7 @@ def _lanes_under(
     c1 = min(int((x + radius - origin[0]) // CELL), columns - 1)
     r0 = min(max(int((y - radius - origin[1]) // CELL), 0), rows)
     r1 = min(int((y + radius - origin[1]) // CELL), rows - 1)
-    box, one, two = np.empty((4, 2)), np.empty((_MOST_CORNERS, 2)), np.empty((_MOST_CORNERS, 2))
+    corner, one, two = np.empty((4, 2)), np.empty((_MOST_CORNERS, 2)), np.empty((_MOST_CORNERS, 2))
     for row in range(r0, r1 + 1):
         for cell in range(row * columns + c0, row * columns + c1 + 1):
             for item in range(cell_starts[cell], cell_starts[cell + 1]):
@@ -131,8 +146,8 @@ def _lanes_under(
                     ahead = 0.5 * length if k < 2 else -0.5 * length
                     left = 0.5 * width if k in (0, 3) else -0.5 * width
                     cx, cy = dx + ahead * cos - left * sin, dy + ahead * sin + left * cos
-                    box[k, 0], box[k, 1] = cx * ux + cy * uy, ux * cy - uy * cx
-                corners = _cut(box, 4, 0, -1.0, 0.0, one)
+                    corner[k, 0], corner[k, 1] = cx * ux + cy * uy, ux * cy - uy * cx
+                corners = _cut(corner, 4, 0, -1.0, 0.0, one)
                 corners = _cut(one, corners, 0, 1.0, span, two)
                 if corners < 3:
                     continue
@@ -146,13 +161,14 @@ def _lanes_under(
                 begin = segments[i, 5] + two[:corners, 0].min()
                 end = segments[i, 5] + two[:corners, 0].max()
                 j = 0
-                while j < count and found[j, 0] != lanes[i]:
+                while j < count and found[j, _FoundCol.LANE] != lanes[i]:
                     j += 1
                 if j < count:
-                    found[j, 1] = min(found[j, 1], begin)
-                    found[j, 2] = max(found[j, 2], end)
+                    found[j, _FoundCol.BEGIN] = min(found[j, _FoundCol.BEGIN], begin)
+                    found[j, _FoundCol.END] = max(found[j, _FoundCol.END], end)
                 elif count < found.shape[0]:
-                    found[j, 0], found[j, 1], found[j, 2] = lanes[i], begin, end
-                    found[j, 3] = math.atan2(uy, ux)
+                    found[j, _FoundCol.LANE] = lanes[i]
+                    found[j, _FoundCol.BEGIN], found[j, _FoundCol.END] = begin, end
+                    found[j, _FoundCol.HEADING] = math.atan2(uy, ux)
                     count += 1
     return count

@@ -20,8 +20,15 @@ from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArra
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.simulation.motion.vehicle_dynamics import GRAVITY
 from drivora_service.simulation.plans.episode_plan import DrivenPlan
-from drivora_service.simulation.traffic.holding_kernel import hold
+from drivora_service.simulation.traffic.holding_kernel import (
+    Drivers,
+    EntryCol,
+    HeldRows,
+    Spot,
+    hold,
+)
 from drivora_service.simulation.traffic.lane_cores import lane_cores
+from drivora_service.simulation.world import WorldFrames
 
 _SPEEDING = 1.2
 """How much faster than the limit SUMO's drivers go, at most."""
@@ -55,14 +62,10 @@ def look_ahead_is_bounded(agents: Iterable[object]) -> bool:
 
 
 class Holding:
-    """The moved rows of a run that SUMO is told nothing of.
-
-    Attributes:
-        asked: (N,) rows whose lanes ``answer`` is to be told next.
-    """
+    """The moved rows of a run that SUMO is told nothing of."""
 
     def __init__(self, network: RoadNetwork, friction: float) -> None:
-        """Prepares the network's lanes.
+        """Finds the lanes on which rows can be held.
 
         Args:
             network: The road network.
@@ -70,28 +73,36 @@ class Holding:
         """
         self._network = network
         self._reach = reach_of(network, friction)
-        cores = lane_cores(network)
-        self._lanes = (cores.points, cores.first, cores.begin, cores.end, cores.boxes)
+        self._lanes = lane_cores(network)
         self._entries: dict[int, tuple[float, float, float]] = {}
         self._ways: dict[int, tuple[int, ...]] = {}
         self._kernel = hold
-        self._lane: IntArray = np.zeros(0, dtype=np.int64)
+        self._resize(np.zeros(0, dtype=np.bool_))
 
-    def _resize(self, count: int) -> None:
-        self._lane = np.full(count, -1, dtype=np.int64)
-        self._cursor: IntArray = np.zeros(count, dtype=np.int64)
-        self._is_held: BoolArray = np.zeros(count, dtype=np.bool_)
-        self._spots: FloatArray = np.zeros((count, 2))
-        self._next_ask: IntArray = np.zeros(count, dtype=np.int64)
-        self._entry: FloatArray = np.full((count, 3), np.nan)
-        for row, place in self._entries.items():
-            self._entry[row] = place
+    def _resize(self, drives: BoolArray) -> None:
+        """Makes the arrays anew for as many rows as ``drives`` has, none of which is held."""
+        count = len(drives)
+        self._rows = HeldRows(
+            lane=np.full(count, -1, dtype=np.int64),
+            cursor=np.zeros(count, dtype=np.int64),
+            is_held=np.zeros(count, dtype=np.bool_),
+            spots=np.zeros((count, len(Spot))),
+            next_ask=np.zeros(count, dtype=np.int64),
+            asked=np.zeros(count, dtype=np.int64),
+        )
         # Egos that SUMO drives may leave their routes.
-        self._on_way: BoolArray = np.ones((count, len(self._network.lanes)), dtype=np.bool_)
+        on_way = np.ones((count, len(self._network.lanes)), dtype=np.bool_)
+        self._drivers = Drivers(drives, np.full((count, len(EntryCol)), np.nan), on_way)
+        for row, place in self._entries.items():
+            self._drivers.entries[row] = place
         for row, lanes in self._ways.items():
-            self._on_way[row] = False
-            self._on_way[row, list(lanes)] = True
-        self.asked: IntArray = np.zeros(count, dtype=np.int64)
+            on_way[row] = False
+            on_way[row, list(lanes)] = True
+
+    @property
+    def asked(self) -> IntArray:
+        """(N,) rows whose lanes ``answer`` is to be told next."""
+        return self._rows.asked
 
     def expect(self, row: int, plan: DrivenPlan) -> None:
         """Announces an NPC that SUMO will drive: where it enters is kept clear until then."""
@@ -104,9 +115,7 @@ class Holding:
     def choose(
         self,
         step: int,
-        frame: FloatArray,
-        present: BoolArray,
-        sizes: FloatArray,
+        frames: WorldFrames,
         drives: BoolArray,
         may: BoolArray,
         placements: FloatArray,
@@ -115,24 +124,22 @@ class Holding:
 
         Args:
             step: The frame's number.
-            frame: (N, 9) the frame before.
-            present: (N,) of the frame before.
-            sizes: (N, 2) metres.
+            frames: The frames of the world up to the one before.
             drives: (N,) rows that SUMO drives, or will.
             may: (N,) rows that may be held.
-            placements: (N, 4) of the frame, as of ``step_kernels.write_placements``; the last
-                column becomes ``HELD`` where a row is held.
+            placements: (N, 4) of the frame, columns ``step_kernels.PlacementCol``; ``MOVED``
+                becomes ``HELD`` where a row is held.
 
         Returns:
             The number of filled rows of ``asked``: their lanes are needed.
         """
-        if len(self._lane) != len(drives):
-            self._resize(len(drives))
+        if len(self._rows.lane) != len(drives):
+            self._resize(drives)
+        elif self._drivers.drives is not drives:
+            self._drivers = self._drivers._replace(drives=drives)
         count = self._kernel(
-            step, self._reach, frame, present, sizes, drives, may, placements, *self._lanes,
-            self._entry, self._on_way, self._lane, self._cursor, self._is_held, self._spots,
-            self._next_ask, self.asked,
-        )  # fmt: skip
+            step, self._reach, frames, may, placements, self._lanes, self._drivers, self._rows
+        )
         if self._kernel is hold:
             # Later calls have arguments of the same types.
             self._kernel = specialize(hold)
@@ -140,5 +147,5 @@ class Holding:
 
     def answer(self, row: int, lane: str) -> None:
         """Takes the id of the lane on which SUMO has a row; "" if it is on none."""
-        self._lane[row] = self._network.lane_by_id.get(lane, -1)
-        self._cursor[row] = 0
+        self._rows.lane[row] = self._network.lane_by_id.get(lane, -1)
+        self._rows.cursor[row] = 0

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from enum import IntEnum
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,16 +24,32 @@ _NEIGHBOURS = 8
 """Places within ``_CLEAR`` that are looked at: more than a lane has of its own."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LaneCores:
+class LinePoint(IntEnum):
+    """Columns of ``LaneCores.points``, metres."""
+
+    X = 0
+    Y = 1
+    ARC = 2
+
+
+class LaneBox(IntEnum):
+    """Columns of ``LaneCores.boxes``, metres."""
+
+    MIN_X = 0
+    MAX_X = 1
+    MIN_Y = 2
+    MAX_Y = 3
+
+
+class LaneCores(NamedTuple):
     """The cores of all lanes of a network.
 
     Attributes:
-        points: (P, 3) x, y and arc length of the lanes' points, one lane after the other, metres.
+        points: (P, 3) the lanes' points, one lane after the other, columns ``LinePoint``.
         first: (L + 1,) the first row of each lane in ``points``.
         begin: (L,) arc length at which a lane's core begins, metres; infinite without a core.
         end: (L,) arc length at which it ends, metres.
-        boxes: (L, 4) least and greatest x, then y, of each lane, metres.
+        boxes: (L, 4), columns ``LaneBox``.
     """
 
     points: FloatArray
@@ -70,8 +87,8 @@ def lane_cores(network: RoadNetwork) -> LaneCores:
             if not lane.is_internal:
                 core = _longest(is_clear[at:to])
                 if core is not None:
-                    begin[lane.index] = places[at + core[0], 2]
-                    last = float(places[at + core[1] - 1, 2])
+                    begin[lane.index] = places[at + core[0], LinePoint.ARC]
+                    last = float(places[at + core[1] - 1, LinePoint.ARC])
                     end[lane.index] = min(last, float(lane.arc[-1]) - _MARGIN)
     spans = [(lane.shape.min(axis=0), lane.shape.max(axis=0)) for lane in lanes]
     boxes = np.array([(low[0], high[0], low[1], high[1]) for low, high in spans])

@@ -25,8 +25,10 @@ from functools import lru_cache
 
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.road_network import Lane, RoadNetwork
+from drivora_service.observations.trace import Col
+from drivora_service.simulation.motion.step_kernels import PlacementCol
 from drivora_service.simulation.sumo import MovedActor, SumoWorld
-from drivora_service.simulation.traffic.footprint import Overlap, lanes_under
+from drivora_service.simulation.traffic.footprint import Box, Overlap, lanes_under
 
 _SETTLED = 1.0
 """Seconds for which a vehicle that may drive on must stand; fixed actors count at once."""
@@ -100,7 +102,7 @@ class StandIns:
         """
         for actor in actors:
             row = actor.row
-            moved = placements[row][3] != 0.0
+            moved = placements[row][PlacementCol.MOVED] != 0.0
             if moved and not actor.watched:
                 continue
             never_drives = actor.is_walker or (self._sublanes and row in self.fixed)
@@ -154,7 +156,7 @@ class StandIns:
         if actor.row not in self.fixed and any(lanes[one.lane].is_internal for one in under):
             return
         known = "" if actor.off_lanes else self._sumo.lane_of(actor.id)
-        yaw = float(frame[actor.row, 2])
+        yaw = float(frame[actor.row, Col.YAW])
         expected = [
             lanes[one.lane].id for one in under if math.cos(one.heading - yaw) > math.cos(_ALIGNED)
         ]
@@ -169,10 +171,10 @@ class StandIns:
 
     def _under(self, actor: MovedActor, frame: FloatArray) -> tuple[Overlap, ...]:
         """Returns the stretches of lanes under an actor that traffic reaches first."""
-        x, y, yaw = frame[actor.row, :3].tolist()
-        height = float(frame[actor.row, 8])
-        length = 2.0 * actor.half_length
-        under = lanes_under(self._network, (x, y, yaw), height, length, actor.width)
+        x, y, yaw = frame[actor.row, : Col.YAW + 1].tolist()
+        height = float(frame[actor.row, Col.Z])
+        box = Box(x, y, yaw, 2.0 * actor.half_length, actor.width)
+        under = lanes_under(self._network, box, height)
         if len(under) < 2:
             return under
         lanes = {one.lane for one in under}

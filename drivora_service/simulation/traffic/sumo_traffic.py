@@ -17,7 +17,8 @@ import numpy as np
 
 from drivora_service.agents.sumo_driver import LaneChangeModel
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
-from drivora_service.simulation.motion.step_kernels import write_placements
+from drivora_service.observations.trace import Col
+from drivora_service.simulation.motion.step_kernels import MovedRows, PlacementCol, write_placements
 from drivora_service.simulation.plans.episode_plan import DrivenPlan
 from drivora_service.simulation.sumo import DrivenActor, MovedActor, SumoWorld
 from drivora_service.simulation.traffic.background_vehicles import BackgroundVehicles
@@ -56,7 +57,7 @@ class Traffic:
     Attributes:
         driver: SUMO's driver of NPCs and background traffic, a vehicle type.
         driven: Vehicles that SUMO drives now.
-        is_moved, known, placements: Arrays of ``step_kernels.write_placements``.
+        moved: The rows that the service moves; another record after ``make_room``.
     """
 
     def __init__(
@@ -108,7 +109,7 @@ class Traffic:
         self._entering: list[tuple[int, str, float]] = []
         self._background: BackgroundVehicles | None = None
         self._reserved: list[int] = []
-        self.known: BoolArray = np.zeros(0, dtype=np.bool_)
+        self.moved = _no_rows(0)
         self.make_room()
 
     def add_body(self, body: Body) -> None:
@@ -133,21 +134,19 @@ class Traffic:
     def make_room(self) -> None:
         """Resizes the arrays to the world's rows, after bodies have been added."""
         count = len(self._world.actors)
-        known = np.zeros(count, dtype=np.bool_)
-        known[: len(self.known)] = self.known
-        self.known = known
-        self.is_moved: BoolArray = np.zeros(count, dtype=np.bool_)
-        self.is_moved[list(self._bodies)] = True
+        before = self.moved.known
+        self.moved = _no_rows(count)
+        self.moved.known[: len(before)] = before
+        self.moved.is_moved[list(self._bodies)] = True
         for actor in self.driven:
-            self.is_moved[actor.row] = False
-        self.placements: FloatArray = np.zeros((count, 4))
+            self.moved.is_moved[actor.row] = False
         self._settle_roles()
 
     def _settle_roles(self) -> None:
         """Notes which rows SUMO drives, or will, and which may be held far from those."""
-        self._drives: BoolArray = ~self.is_moved
+        self._drives: BoolArray = ~self.moved.is_moved
         self._drives[self._reserved] = True
-        keep_to_lanes = np.zeros(len(self.is_moved), dtype=np.bool_)
+        keep_to_lanes = np.zeros(len(self._drives), dtype=np.bool_)
         keep_to_lanes[[body.row for body in self._bodies.values() if body.on_lanes]] = True
         self._may_hold: BoolArray = keep_to_lanes & ~self._drives
 
@@ -167,7 +166,7 @@ class Traffic:
         self.catch_up()
         actor = self._moved.pop(row)
         self._moved_list.remove(actor)
-        self.is_moved[row] = False
+        self.moved.is_moved[row] = False
         self._settle_roles()
         self.driven.append(self._sumo.hand_over(actor, speed, driver))
 
@@ -179,10 +178,10 @@ class Traffic:
         """
         actor = next(actor for actor in self.driven if actor.row == row)
         self.driven.remove(actor)
-        self.is_moved[row] = True
+        self.moved.is_moved[row] = True
         self._settle_roles()
         if not on_road:
-            self.known[row] = False
+            self.moved.known[row] = False
             return
         moved = self._sumo.take_back(actor)
         self._moved[row] = moved
@@ -263,9 +262,8 @@ class Traffic:
         """Chooses the rows that are held in a frame; rows enter far from no vehicle of SUMO."""
         world = self._world
         count = holding.choose(
-            step, world.states[step - 1], world.present[step - 1], world.sizes, self._drives,
-            self._may_hold, self.placements,
-        )  # fmt: skip
+            step, world.frames, self._drives, self._may_hold, self.moved.placements
+        )
         for row in holding.asked[:count].tolist():
             actor = self._moved.get(row)
             if actor is not None and actor.keeps_to_route:
@@ -277,15 +275,14 @@ class Traffic:
         # Before the first frame no actor is present.
         before = world.present[k - 1] if k else np.zeros_like(world.present[0])
         return write_placements(
-            world.states[k - 1], before, world.states[k], world.present[k], world.sizes,
-            self.is_moved, self.known, self.placements,
-        )  # fmt: skip
+            world.states[k - 1], before, world.states[k], world.present[k], world.sizes, self.moved
+        )
 
     def _send_to_sumo(self, changes: int, frame: FloatArray, present: BoolArray) -> None:
         """Has moved rows enter, leave, and be at their places in SUMO's next step."""
         if changes:
             self._enter_and_leave(present)
-        placements = self.placements.tolist()
+        placements = self.moved.placements.tolist()
         self._stand_ins.tend(self._moved_list, placements, frame)
         self._sumo.place(self._moved_list, placements)
 
@@ -293,13 +290,14 @@ class Traffic:
         self, row: int, actor_id: str, speed: float, frame: FloatArray, present: BoolArray
     ) -> None:
         """Slows a vehicle that has just entered to its initial speed."""
-        now = float(np.hypot(frame[row, 3], frame[row, 4])) if present[row] else 0.0
+        now = float(np.hypot(frame[row, Col.VX], frame[row, Col.VY])) if present[row] else 0.0
         if now > speed:
             self._sumo.set_speed_now(actor_id, speed)
-            frame[row, 3:5] *= speed / now
+            frame[row, Col.VX : Col.VY + 1] *= speed / now
 
     def _enter_and_leave(self, next_present: BoolArray) -> None:
-        for row in np.flatnonzero(self.is_moved & (next_present != self.known)).tolist():
+        is_moved, known, placements = self.moved
+        for row in np.flatnonzero(is_moved & (next_present != known)).tolist():
             body = self._bodies[row]
             if next_present[row]:
                 actor = self._sumo.add_moved(
@@ -314,13 +312,13 @@ class Traffic:
                 actor.watched = body.is_walker or body.is_fixed
                 self._moved[row] = actor
                 self._moved_list.append(actor)
-                self.placements[row, 3] = 1.0
+                placements[row, PlacementCol.MOVED] = 1.0
             else:
                 actor = self._moved.pop(row)
                 self._moved_list.remove(actor)
                 self._stand_ins.forget(row)
                 self._sumo.remove(body.id)
-            self.known[row] = next_present[row]
+            known[row] = next_present[row]
 
     def _start_driven(self, time: float) -> None:
         due = [entry for entry in self._waiting if entry[1].start_time <= time + 1e-9]
@@ -355,3 +353,12 @@ class Traffic:
         for actor in absent:
             if actor.id not in known:
                 self.driven.remove(actor)
+
+
+def _no_rows(count: int) -> MovedRows:
+    """Returns the arrays for as many rows, none of which is moved or known to SUMO."""
+    return MovedRows(
+        is_moved=np.zeros(count, dtype=np.bool_),
+        known=np.zeros(count, dtype=np.bool_),
+        placements=np.zeros((count, len(PlacementCol))),
+    )

@@ -80,12 +80,12 @@ def test_the_gap_is_that_of_a_look_at_every_actor(tall: bool) -> None:
         sizes = rng.uniform((0.5, 0.5), (12.0, 2.5), (count, 2))
         present = rng.random(count) < 0.9
         order = order_actors(states, sizes, present)
-        assert sorted(order[3].tolist()) == np.flatnonzero(present).tolist()
+        assert sorted(order.rows.tolist()) == np.flatnonzero(present).tolist()
         for row in range(count):
             path = way(rng, *states[row, :2].tolist())
             s = float(rng.uniform(0.0, path[1, PathCol.ARC]))
             expected = plain_gap(row, path, s, states, sizes, present)
-            gap = gap_ahead(row, path, 0, s, REACH, HALF_LENGTH, HALF_WIDTH, states, sizes, *order)
+            gap = gap_ahead(row, path, 0, s, REACH, HALF_LENGTH, HALF_WIDTH, states, sizes, order)
             assert gap == expected
             found += expected[2] >= 0
     assert found > 100
@@ -99,5 +99,5 @@ def test_of_two_actors_with_the_same_gap_the_first_counts() -> None:
     sizes = np.full((3, 2), 2.0)
     present = np.ones(3, dtype=np.bool_)
     order = order_actors(states, sizes, present)
-    found = gap_ahead(0, path, 0, 0.0, REACH, HALF_LENGTH, HALF_WIDTH, states, sizes, *order)
+    found = gap_ahead(0, path, 0, 0.0, REACH, HALF_LENGTH, HALF_WIDTH, states, sizes, order)
     assert found[2] == 1

@@ -59,8 +59,8 @@ def follow(
             present[k, len(plans) + i] = True
         before = max(k - 1, 0)
         advance_followers(
-            (k - 1) * DT, DT, friction, NO_PATCHES, f.places, f.path, f.state, states[before],
-            sizes, present[before], states[k], present[k],
+            (k - 1) * DT, DT, friction, NO_PATCHES, f, states[before], sizes, present[before],
+            states[k], present[k],
         )  # fmt: skip
     return states, present
 

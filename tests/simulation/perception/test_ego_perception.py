@@ -16,8 +16,14 @@ from drivora_service.observations.sight import is_hidden
 from drivora_service.observations.trace import Col
 from drivora_service.scenario.model import Weather
 from drivora_service.scenario.weather import weather_effects
-from drivora_service.simulation.perception.ego_perception import Sense, perceive
+from drivora_service.simulation.perception.ego_perception import (
+    Draw,
+    Sense,
+    empty_seen,
+    perceive,
+)
 from drivora_service.simulation.plans.plan_arrays import privileged_senses, senses_of
+from drivora_service.simulation.world import WorldFrames
 
 CAR, VAN, WALKER = (4.5, 1.8, 1.5), (6.0, 2.0, 2.3), (0.4, 0.4, 1.7)
 """Length, width and height, metres."""
@@ -44,14 +50,14 @@ def seen(senses: FloatArray, *frames: tuple[Figure, ...]) -> FloatArray:
     states, sizes, heights = world(*frames[-1])
     history = np.stack([world(*frame)[0] for frame in frames])
     count = len(states)
-    out = np.zeros((count, len(Col)))
+    out = empty_seen(count)
     found = perceive(
-        0, len(frames) - 1, history, np.ones((len(frames), count), dtype=np.bool_), sizes, heights,
-        np.zeros(count, dtype=np.int64), senses, np.zeros((count, 5)), out,
-        np.zeros((count, 2)), np.zeros((2, count), dtype=np.int64),
+        0, len(frames) - 1,
+        WorldFrames(history, np.ones((len(frames), count), dtype=np.bool_), sizes), heights,
+        np.zeros(count, dtype=np.int64), senses, np.zeros((count, len(Draw))), out,
         np.zeros(count, dtype=np.int64),
     )  # fmt: skip
-    return out[:found]
+    return out.states[:found]
 
 
 EGO: Figure = ((0.0, 0.0, 0.0), CAR)
