@@ -24,7 +24,7 @@ class IdmAgent:
         self._reaction_time = reaction_time
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares speed profiles and conflict zones along the route."""
+        """Computes speed profiles and conflict zones along the route."""
         self._runs = RunFollower(context, self._speed_factor)
         self._driver = IdmDriver(context)
         self._delayed = (
@@ -34,7 +34,7 @@ class IdmAgent:
         )
 
     def run_step(self, observation: Observation) -> AccelerationControl:
-        """Drives."""
+        """Returns the control of a step: that of the present lane run, or of the next one."""
         seen = observation if self._delayed is None else self._delayed(observation)
         self._runs.wait(seen.speed)
         self._runs.change_when_possible(seen)

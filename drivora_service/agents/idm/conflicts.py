@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,18 +23,43 @@ _APPROACH = 90.0
 _SPACING = 2.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Conflicts:
+class LineCol(IntEnum):
+    """Columns of lines with their arc length, metres."""
+
+    X = 0
+    Y = 1
+    ARC = 2
+
+
+class ZoneCol(IntEnum):
+    """Columns of ``Conflicts.zones``; places are metres of arc length."""
+
+    ENTER = 0
+    """Begin of the zone on the run's line."""
+    LEAVE = 1
+    """Its end on the run's line."""
+    GATE = 2
+    """The stop line before the junction, on the run's line."""
+    EXIT = 3
+    """End of the junction, on the run's line."""
+    YIELDS = 4
+    """1 if the other movement has the right of way."""
+    SIGNALISED = 5
+    """1 if a traffic light controls the junction."""
+    FOE_ENTER = 6
+    """Begin of the zone on the foe's line."""
+    FOE_LEAVE = 7
+    """Its end on the foe's line."""
+
+
+class Conflicts(NamedTuple):
     """Conflict zones of one lane run, in order along it.
 
     Attributes:
-        zones: (C, 8) for each zone, in metres of arc length on the run's line, begin and
-            end, the stop line before the junction, and the junction's end; 1 if the other
-            movement has the right of way; 1 if a traffic light controls the junction; and in metres
-            of arc length on the foe's line begin and end of the zone.
+        zones: (C, 8), columns ``ZoneCol``.
         first: (C + 1,) begin of each foe's line in ``foes``.
-        foes: (n, 3) x, y and arc length of the foes' lines: approach and way through the junction,
-            concatenated; metres.
+        foes: (n, 3) the foes' lines, columns ``LineCol``: approach and way through the junction,
+            concatenated.
     """
 
     zones: FloatArray
@@ -160,14 +187,16 @@ def _place_on(run: LaneRun, point: FloatArray, position: int) -> float:
 
 
 def _lay(zones: Sequence[_Zone]) -> Conflicts:
-    laid = [
-        (z.enter, z.leave, z.gate, z.exit, z.must_yield, z.signalised, z.foe_enter, z.foe_leave)
-        for z in zones
-    ]
+    laid = np.zeros((len(zones), len(ZoneCol)))
+    for row, zone in zip(laid, zones, strict=True):
+        row[ZoneCol.ENTER], row[ZoneCol.LEAVE] = zone.enter, zone.leave
+        row[ZoneCol.GATE], row[ZoneCol.EXIT] = zone.gate, zone.exit
+        row[ZoneCol.YIELDS], row[ZoneCol.SIGNALISED] = zone.must_yield, zone.signalised
+        row[ZoneCol.FOE_ENTER], row[ZoneCol.FOE_LEAVE] = zone.foe_enter, zone.foe_leave
     foes = [np.column_stack((zone.line, arc_lengths(zone.line))) for zone in zones]
     counts = np.cumsum([len(foe) for foe in foes], dtype=np.int64)
     return Conflicts(
-        zones=np.array(laid, dtype=np.float64).reshape(-1, 8),
+        zones=laid,
         first=np.concatenate((np.zeros(1, dtype=np.int64), counts)),
-        foes=np.concatenate(foes) if foes else np.empty((0, 3)),
+        foes=np.concatenate(foes) if foes else np.empty((0, len(LineCol))),
     )

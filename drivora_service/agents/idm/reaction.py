@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from enum import IntEnum
 
 import numpy as np
 
-from drivora_service.agents.interface import Observation
+from drivora_service.agents.interface import ObjectKind, Observation
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
-from drivora_service.observations.trace import Light
+from drivora_service.observations.trace import Col, Light, SizeCol
 
 MOST_TURNING = 1.0
 """Rate of turning in rad/s beyond which vehicles are not expected to turn."""
@@ -24,10 +25,15 @@ MOST_TURNING = 1.0
 SAME_LINE = 1.0
 """Metres along the route by which the place of one signal's line may differ between two steps."""
 
-_VEHICLE = 0
-
 _ACTORS = 16
 """Actors for which there is room at first."""
+
+
+class _Mark(IntEnum):
+    """Rows of the numbers that are remembered of actors."""
+
+    KIND = 0
+    ID = 1
 
 
 class ReactionDelay:
@@ -38,7 +44,7 @@ class ReactionDelay:
     """
 
     def __init__(self, reaction_time: float, step_length: float, half_length: float) -> None:
-        """Prepares the memory.
+        """Makes room for the observations of a reaction time.
 
         Args:
             reaction_time: Seconds, rounded up to whole steps.
@@ -52,10 +58,10 @@ class ReactionDelay:
         self._times = np.zeros(self._rows)
         self._signals: list[tuple[Light, bool, float]] = [(Light.NONE, False, math.inf)]
         self._signals *= self._rows
-        self._states = np.zeros((self._rows, _ACTORS, 9))
-        self._sizes = np.zeros((self._rows, _ACTORS, 2))
-        self._marks = np.zeros((self._rows, 2, _ACTORS), dtype=np.int64)
-        self._expected = np.zeros((_ACTORS, 9))
+        self._states = np.zeros((self._rows, _ACTORS, len(Col)))
+        self._sizes = np.zeros((self._rows, _ACTORS, len(SizeCol)))
+        self._marks = np.zeros((self._rows, len(_Mark), _ACTORS), dtype=np.int64)
+        self._expected = np.zeros((_ACTORS, len(Col)))
         self._delayed: Observation | None = None
 
     def _grow(self, actors: int) -> None:
@@ -73,7 +79,7 @@ class ReactionDelay:
         count = int(self._counts[row])
         elapsed = observation.time - float(self._times[row])
         states, sizes, marks = self._states[row], self._sizes[row], self._marks[row]
-        foresee(states, marks[0], count, elapsed, self._expected)
+        foresee(states, marks[_Mark.KIND], count, elapsed, self._expected)
         light, protected, distance = self._signal(row, observation)
         delayed = self._delayed
         if delayed is None:
@@ -86,7 +92,10 @@ class ReactionDelay:
         delayed.light, delayed.light_protected = light, protected
         delayed.light_distance = distance
         delayed.objects, delayed.object_sizes = self._expected[:count], sizes[:count]
-        delayed.object_kinds, delayed.object_ids = marks[0, :count], marks[1, :count]
+        delayed.object_kinds, delayed.object_ids = (
+            marks[_Mark.KIND, :count],
+            marks[_Mark.ID, :count],
+        )
         return delayed
 
     def _remember(self, observation: Observation) -> None:
@@ -96,8 +105,8 @@ class ReactionDelay:
         row = self._seen % self._rows
         self._states[row, :count] = observation.objects
         self._sizes[row, :count] = observation.object_sizes
-        self._marks[row, 0, :count] = observation.object_kinds
-        self._marks[row, 1, :count] = observation.object_ids
+        self._marks[row, _Mark.KIND, :count] = observation.object_kinds
+        self._marks[row, _Mark.ID, :count] = observation.object_ids
         self._counts[row] = count
         self._times[row] = observation.time
         self._signals[row] = (
@@ -135,16 +144,16 @@ def foresee(
     """
     for j in range(count):
         out[j] = states[j]
-        vx, vy, rate = states[j, 3], states[j, 4], 0.0
-        if kinds[j] == _VEHICLE:
-            rate = min(max(states[j, 7], -MOST_TURNING), MOST_TURNING)
+        vx, vy, rate = states[j, Col.VX], states[j, Col.VY], 0.0
+        if kinds[j] == ObjectKind.VEHICLE:
+            rate = min(max(states[j, Col.YAW_RATE], -MOST_TURNING), MOST_TURNING)
         turn = rate * seconds
         if abs(turn) < 1e-6:
             along, aside = seconds, 0.0
         else:
             along, aside = math.sin(turn) / rate, (1.0 - math.cos(turn)) / rate
-        out[j, 0] += along * vx - aside * vy
-        out[j, 1] += aside * vx + along * vy
+        out[j, Col.X] += along * vx - aside * vy
+        out[j, Col.Y] += aside * vx + along * vy
         cos, sin = math.cos(turn), math.sin(turn)
-        out[j, 2] += turn
-        out[j, 3], out[j, 4] = cos * vx - sin * vy, sin * vx + cos * vy
+        out[j, Col.YAW] += turn
+        out[j, Col.VX], out[j, Col.VY] = cos * vx - sin * vy, sin * vx + cos * vy

@@ -7,17 +7,41 @@ the lane run that the agent follows.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from drivora_service.agents.idm.conflicts import Conflicts, LineCol, ZoneCol
+from drivora_service.agents.idm.corridor import Actors, Ahead
+from drivora_service.agents.interface import ObjectKind, Observation
 from drivora_service.compilation import compiled
-from drivora_service.geometry.array_shapes import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.observations.trace import Col, Light, SizeCol
 
 HARD_BRAKING = 4.5
 PATIENCE = 6.0
 _GAP_MARGIN = 1.6
 """Seconds between the ego's passage of a conflict zone and another's."""
 _START_ACCELERATION = 1.6
+
+
+class Signal(NamedTuple):
+    """The next signal, as in ``Observation``.
+
+    Attributes:
+        distance: Metres from the front bumper to its stop line; inf if there is none.
+        state: ``Light``.
+        protected: Whether a green light gives the right of way.
+    """
+
+    distance: float
+    state: int
+    protected: bool
+
+
+def next_signal(observation: Observation) -> Signal:
+    """Returns the next signal of an observation."""
+    return Signal(observation.light_distance, int(observation.light), observation.light_protected)
 
 
 @compiled
@@ -31,10 +55,7 @@ def must_wait(
     line: FloatArray,
     foe_enter: float,
     foe_leave: float,
-    objects: FloatArray,
-    sizes: FloatArray,
-    kinds: IntArray,
-    count: int,
+    actors: Actors,
 ) -> bool:
     """Returns whether the ego must wait for an actor on the foe's way before a conflict zone.
 
@@ -46,22 +67,20 @@ def must_wait(
         yields: Whether actors that approach on that way have priority; else only those in the zone.
         waited: Seconds for which the ego has stood, after which it does not wait for standing
             actors.
-        line: (n, 3) x, y and arc length along the foe's way, metres.
+        line: (n, 3) the foe's way, columns ``LineCol``.
         foe_enter: Arc length on it at which the zone begins.
         foe_leave: Arc length at which it ends.
-        objects: (n, 9) perceived actors.
-        sizes: (n, 2) metres.
-        kinds: (n,).
-        count: Number of actors.
+        actors: The perceived actors.
     """
+    objects, sizes, kinds = actors.objects, actors.sizes, actors.kinds
     a = _START_ACCELERATION
     # Times to reach and to clear the zone, accelerating to the desired speed.
     t_reach = _travel_time(max(to_zone, 0.0), v, wanted, a)
     t_clear = _travel_time(max(to_end, 0.0), v, wanted, a)
-    for j in range(count):
-        if kinds[j] != 0:
+    for j in range(objects.shape[0]):
+        if kinds[j] != ObjectKind.VEHICLE:
             continue
-        x, y = objects[j, 0], objects[j, 1]
+        x, y = objects[j, Col.X], objects[j, Col.Y]
         best, best_i, best_t = 9.0, -1, 0.0
         for i in range(line.shape[0] - 1):
             dx, dy = x - line[i, 0], y - line[i, 1]
@@ -77,14 +96,14 @@ def must_wait(
         ux, uy = ux / span, uy / span
         best_t = (x - line[best_i, 0]) * ux + (y - line[best_i, 1]) * uy
         side = abs(-(x - line[best_i, 0]) * uy + (y - line[best_i, 1]) * ux)
-        heading = math.cos(objects[j, 2]) * ux + math.sin(objects[j, 2]) * uy
+        heading = math.cos(objects[j, Col.YAW]) * ux + math.sin(objects[j, Col.YAW]) * uy
         if side > 1.9 or heading < 0.5:
             continue
-        at = line[best_i, 2] + best_t
-        half = 0.5 * sizes[j, 0]
+        at = line[best_i, LineCol.ARC] + best_t
+        half = 0.5 * sizes[j, SizeCol.LENGTH]
         if at - half > foe_leave + 0.5:
             continue
-        speed = max(objects[j, 3] * ux + objects[j, 4] * uy, 0.0)
+        speed = max(objects[j, Col.VX] * ux + objects[j, Col.VY] * uy, 0.0)
         if speed < 0.3 and waited > PATIENCE:
             # Each waits for the other; an actor that is really in the way ends the corridor ahead.
             continue
@@ -127,20 +146,12 @@ def find_halt(
     s: float,
     wanted: float,
     waited: float,
-    light_distance: float,
-    light: int,
-    protected: bool,
-    objects: FloatArray,
-    sizes: FloatArray,
-    kinds: IntArray,
+    signal: Signal,
+    actors: Actors,
     half_length: float,
     wall: float,
-    zones: FloatArray,
-    first: IntArray,
-    foes: FloatArray,
-    gap: float,
-    other: float,
-    index: int,
+    conflicts: Conflicts,
+    ahead: Ahead,
 ) -> float:
     """Finds the distance to the next halt: lights, the end of the lane, the right of way.
 
@@ -148,25 +159,33 @@ def find_halt(
         v: The ego's speed, m/s.
         s: Arc length of its centre, metres.
         wanted: Its desired speed, m/s.
-        gap, other, index: The actor ahead, as returned by ``gap_on_line``.
-        waited, light_distance, light, protected, objects, sizes, kinds, half_length, wall, zones,
-            first, foes: As for ``decide``.
+        waited: Seconds that the ego has stood; decreases while it moves.
+        signal: The next signal.
+        actors: The perceived actors.
+        half_length: Of the ego, metres.
+        wall: Arc length before which the lane must have been left; inf if there is none.
+        conflicts: Of the lane run.
+        ahead: The actor ahead.
 
     Returns:
         Metres; inf without a halt.
     """
-    count = objects.shape[0]
+    zones, first, foes = conflicts.zones, conflicts.first, conflicts.foes
     front = s + half_length
     stop = np.inf
-    if light == 3 or light == 2:
-        needed = v * v / (2.0 * max(light_distance, 0.1))
-        if light_distance > -0.5 and (light == 3 or needed < 3.0) and needed < HARD_BRAKING + 3.0:
-            stop = max(light_distance - 0.5, 0.0)
+    is_red = signal.state == Light.RED
+    if is_red or signal.state == Light.YELLOW:
+        # A yellow light is passed if comfortable braking would not stop the ego before the line; a
+        # red one if not even hard braking would.
+        needed = v * v / (2.0 * max(signal.distance, 0.1))
+        if signal.distance > -0.5 and (is_red or needed < 3.0) and needed < HARD_BRAKING + 3.0:
+            stop = max(signal.distance - 0.5, 0.0)
     if wall < np.inf:
         stop = min(stop, max(wall - front, 0.0))
     for z in range(zones.shape[0]):
         zone = zones[z]
-        enter, leave, gate, leaves_junction = zone[0], zone[1], zone[2], zone[3]
+        enter, leave = zone[ZoneCol.ENTER], zone[ZoneCol.LEAVE]
+        gate, leaves_junction = zone[ZoneCol.GATE], zone[ZoneCol.EXIT]
         to_zone = enter - front
         if leave < s - half_length:
             continue
@@ -178,8 +197,8 @@ def find_halt(
         held = max(to_zone - 1.2, 0.0)
         if v * v / (2.0 * max(held, 0.05)) > HARD_BRAKING and v > 1.0:
             continue
-        yields = zone[4] > 0.0
-        if zone[5] > 0.0 and gate - front > -1.0 and protected:
+        yields = zone[ZoneCol.YIELDS] > 0.0
+        if zone[ZoneCol.SIGNALISED] > 0.0 and gate - front > -1.0 and signal.protected:
             yields = False
         if must_wait(
             to_zone,
@@ -189,20 +208,17 @@ def find_halt(
             yields,
             waited,
             foes[first[z] : first[z + 1]],
-            zone[6],
-            zone[7],
-            objects,
-            sizes,
-            kinds,
-            count,
+            zone[ZoneCol.FOE_ENTER],
+            zone[ZoneCol.FOE_LEAVE],
+            actors,
         ):
             if front - gate < 0.5 and enter - 1.2 - 2.0 * half_length < gate:
                 # Too short to wait there: the tail would stand on the stop line.
                 held = max(gate - front - 0.5, 0.0)
             stop = min(stop, held)
-        elif gate - front > -0.5 and index >= 0 and other < 1.5:
+        elif gate - front > -0.5 and ahead.row >= 0 and ahead.speed < 1.5:
             # Do not stop in the junction behind an actor that stands beyond it.
-            rear_of_other = front + gap
+            rear_of_other = front + ahead.gap
             if leaves_junction - 2.0 < rear_of_other < leaves_junction + 2.0 * half_length + 1.5:
                 stop = min(stop, max(gate - front - 0.5, 0.0))
     return stop

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import IntEnum
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from drivora_service.agents.idm.conflicts import Conflicts, find_conflicts
-from drivora_service.agents.idm.corridor import lane_is_free
+from drivora_service.agents.idm.corridor import lane_is_free, perceived_actors
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.agents.speed_profile import free_speeds
 from drivora_service.geometry.array_shapes import FloatArray
@@ -23,21 +25,41 @@ _JOIN_REACH = 15.0
 is searched."""
 
 
+class WayCol(IntEnum):
+    """Columns of ``Way.points``."""
+
+    X = 0
+    Y = 1
+    ARC = 2
+    """Arc length, metres."""
+    WANTED = 3
+    """Desired speed, m/s."""
+
+
+class Goal(NamedTuple):
+    """A destination and the direction there, a unit vector."""
+
+    x: float
+    y: float
+    ahead_x: float
+    ahead_y: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Way:
-    """A lane run, prepared for driving.
+    """A lane run with what a driver needs of it.
 
     Attributes:
-        points: (n, 4) x, y and arc length of its line, and the desired speed there, m/s.
+        points: (n, 4) its line, columns ``WayCol``.
         wall: Arc length before which it must have been left; inf if it leads to the destination.
-        goal: (4,) x and y of the destination, and the direction there; NaN if it is left before.
+        goal: The destination; ``None`` if the run is left before.
     """
 
     run: LaneRun
     points: FloatArray
     conflicts: Conflicts
     wall: float
-    goal: FloatArray
+    goal: Goal | None
 
 
 class RunFollower:
@@ -70,7 +92,7 @@ class RunFollower:
                 points=np.column_stack((run.line, run.arc, profile)),
                 conflicts=find_conflicts(network, run, route),
                 wall=math.inf if number == last else run.end_s,
-                goal=_goal(run) if number == last else np.full(4, np.nan),
+                goal=_goal(run) if number == last else None,
             )
             for number, (run, profile) in enumerate(zip(route.runs, profiles, strict=True))
         )
@@ -112,7 +134,7 @@ class RunFollower:
         cursor, s, _ = track_line(onward.line, onward.arc, start, 5, 5, x, y)
         if not lane_is_free(
             onward.line, onward.arc, cursor, s, observation.speed, self._half_length,
-            observation.objects, observation.object_sizes, len(observation.objects),
+            perceived_actors(observation),
         ):  # fmt: skip
             return False
         self.current += 1
@@ -121,13 +143,13 @@ class RunFollower:
         return True
 
 
-def _goal(run: LaneRun) -> FloatArray:
-    """Returns x and y of the end of the last lane run, and the direction there."""
+def _goal(run: LaneRun) -> Goal:
+    """Returns the end of the last lane run."""
     ends = np.clip([run.end_s - 0.5, run.end_s + 0.5], 0.0, float(run.arc[-1]))
     (x0, x1), (y0, y1) = (np.interp(ends, run.arc, run.line[:, axis]) for axis in (0, 1))
     x, y = (float(np.interp(run.end_s, run.arc, run.line[:, axis])) for axis in (0, 1))
     length = max(math.hypot(x1 - x0, y1 - y0), 1e-9)
-    return np.array([x, y, (x1 - x0) / length, (y1 - y0) / length])
+    return Goal(x, y, float((x1 - x0) / length), float((y1 - y0) / length))
 
 
 @lru_cache(maxsize=256)

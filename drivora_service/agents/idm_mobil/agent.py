@@ -12,10 +12,11 @@ import math
 import numpy as np
 
 from drivora_service.agents.idm.car_following import follow
-from drivora_service.agents.idm.corridor import lane_is_free
+from drivora_service.agents.idm.conflicts import LineCol
+from drivora_service.agents.idm.corridor import lane_is_free, perceived_actors
 from drivora_service.agents.idm.driver import IdmDriver
-from drivora_service.agents.idm.run_following import RunFollower
-from drivora_service.agents.idm_mobil.incentive import find_neighbours, incentive
+from drivora_service.agents.idm.run_following import RunFollower, WayCol
+from drivora_service.agents.idm_mobil.incentive import Neighbours, find_neighbours, incentive
 from drivora_service.agents.idm_mobil.lane_ways import LaneWays, Place, Places
 from drivora_service.agents.idm_mobil.parameters import MobilParameters
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
@@ -49,7 +50,7 @@ class MobilAgent:
         self._parameters = parameters
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares the ways from all lanes along the route."""
+        """Finds the ways to the destination from all lanes along the route."""
         model = context.model
         self._context = context
         self._half_length, self._half_width = 0.5 * model.length, 0.5 * model.width
@@ -60,12 +61,12 @@ class MobilAgent:
         self._ways = LaneWays(context.network, context.route)
         self._places = Places(context.network, context.route, 0)
         self._lines: dict[tuple[int, int], FloatArray] = {}
-        self._here, self._there = np.zeros(4), np.zeros(4)
+        self._here, self._there = np.zeros(len(Neighbours)), np.zeros(len(Neighbours))
         self._left_lane: FloatArray | None = None
         self._next_look = 0.0
 
     def run_step(self, observation: Observation) -> AccelerationControl:
-        """Drives."""
+        """Returns the control of a step, after a lane change that is due or that pays."""
         runs, time = self._runs, observation.time
         runs.wait(observation.speed)
         if self._must_change(observation.speed):
@@ -104,9 +105,9 @@ class MobilAgent:
             return
         self._look(self._line(place), observation, self._here)
         # Nearer than this, the next actor of the old lane would be hit during the change.
-        if self._here[0] < 4.0 + 0.8 * v:
+        if self._here[Neighbours.GAP_AHEAD] < 4.0 + 0.8 * v:
             return
-        wanted = float(self._runs.way.points[self._runs.cursor, 3])
+        wanted = float(self._runs.way.points[self._runs.cursor, WayCol.WANTED])
         best, chosen = self._parameters.threshold, None
         for left in (True, False):
             beside = self._ways.beside(place, left=left)
@@ -148,12 +149,15 @@ class MobilAgent:
         """Changes to the way from an adjacent place, if there is room."""
         line = self._line(place)
         x, y = observation.ego[:2].tolist()
-        nearest = int(np.argmin(np.hypot(line[:, 0] - x, line[:, 1] - y)))
-        points, arc = np.ascontiguousarray(line[:, :2]), np.ascontiguousarray(line[:, 2])
+        nearest = int(np.argmin(np.hypot(line[:, LineCol.X] - x, line[:, LineCol.Y] - y)))
+        points, arc = (
+            np.ascontiguousarray(line[:, : LineCol.ARC]),
+            np.ascontiguousarray(line[:, LineCol.ARC]),
+        )
         cursor, s, _ = track_line(points, arc, nearest, 5, 5, x, y)
         if not lane_is_free(
-            points, arc, cursor, s, observation.speed, self._half_length, observation.objects,
-            observation.object_sizes, len(observation.objects),
+            points, arc, cursor, s, observation.speed, self._half_length,
+            perceived_actors(observation),
         ):  # fmt: skip
             return False
         route = self._ways.route(place)
@@ -184,8 +188,9 @@ class MobilAgent:
         acceleration = control.acceleration
         if abs(lateral) > _BETWEEN_LANES:
             self._look(self._left_lane, observation, self._here)
-            wanted = float(way.points[cursor, 3])
-            gap, other = float(self._here[0]), float(self._here[1])
+            wanted = float(way.points[cursor, WayCol.WANTED])
+            gap = float(self._here[Neighbours.GAP_AHEAD])
+            other = float(self._here[Neighbours.SPEED_AHEAD])
             kept = follow(v, wanted, max(gap, 0.1), other, self._max_braking)
             acceleration = min(acceleration, kept)
         return AccelerationControl(acceleration, steer)

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from drivora_service.agents.idm.conflicts import ZoneCol
 from drivora_service.agents.idm.run_following import RunFollower
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.compilation import compiled
@@ -146,11 +147,11 @@ def show_way(
         out[k, 4] = SPEED_SCALE * points[i, 3]
         out[k, 5] = out[k, 6] = 0.0
         for z in range(zones.shape[0]):
-            if zones[z, 0] > end or zones[z, 1] < begin:
+            if zones[z, ZoneCol.ENTER] > end or zones[z, ZoneCol.LEAVE] < begin:
                 continue
-            ahead_of_line = zones[z, 2] - s - half_length > -1.0
-            is_ours = zones[z, 5] > 0.0 and protected and ahead_of_line
-            if zones[z, 4] > 0.0 and not is_ours:
+            ahead_of_line = zones[z, ZoneCol.GATE] - s - half_length > -1.0
+            is_ours = zones[z, ZoneCol.SIGNALISED] > 0.0 and protected and ahead_of_line
+            if zones[z, ZoneCol.YIELDS] > 0.0 and not is_ours:
                 out[k, 5] = 1.0
             else:
                 out[k, 6] = 1.0

@@ -16,10 +16,15 @@ from typing import Any
 import numpy as np
 
 from drivora_service.agents.idm.car_following import MAX_ACCELERATION
-from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, gap_on_line
-from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halt
-from drivora_service.agents.idm.run_following import STANDING_SPEED, RunFollower
-from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
+from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, Actors, gap_on_line
+from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halt, next_signal
+from drivora_service.agents.idm.run_following import STANDING_SPEED, RunFollower, WayCol
+from drivora_service.agents.interface import (
+    AccelerationControl,
+    AgentContext,
+    ObjectKind,
+    Observation,
+)
 from drivora_service.agents.nmpc.parameters import NmpcParameters
 from drivora_service.agents.nmpc.plan import LastPlan
 from drivora_service.agents.nmpc.problem import (
@@ -58,7 +63,7 @@ class NmpcAgent:
         self._parameters, self._folder = parameters, folder
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares the lane runs of the route, the room beside them, and the solver."""
+        """Finds the lane runs of the route and the room beside them, and makes the solver."""
         model = context.model
         self._runs = RunFollower(context, self._parameters.speed_factor)
         self._half_length, self._half_width = 0.5 * model.length, 0.5 * model.width
@@ -91,7 +96,7 @@ class NmpcAgent:
         self._log.declare("solved", "iterations", "planned_speed", "slack", "halt_distance")
 
     def run_step(self, observation: Observation) -> AccelerationControl:
-        """Drives."""
+        """Returns the first control of the plan; without a solution, brakes along the last plan."""
         halt_distance = self._fill_reference(observation)
         reference, boxes = self._reference.copy(), self._boxes.copy()
         x, y, yaw = observation.ego[[Col.X, Col.Y, Col.YAW]].tolist()
@@ -125,7 +130,7 @@ class NmpcAgent:
         runs.wait(v)
         runs.change_when_possible(observation)
         way = runs.way
-        line, arc = way.points[:, :2], way.points[:, 2]
+        line, arc = way.points[:, : WayCol.ARC], way.points[:, WayCol.ARC]
         runs.cursor, s, lateral = track_line(line, arc, runs.cursor, 5, 30, *ego[:2].tolist())
         watched = _find_watched(observation)
         objects, sizes = observation.objects[watched], observation.object_sizes[watched]
@@ -136,21 +141,18 @@ class NmpcAgent:
         forecast(objects, spans, self._paths.points, future)
         see_from_way(way.points, runs.cursor, sizes, future, seen)
         room = SIDE_ROOM if runs.waited < PATIENCE else TIGHT_ROOM
-        ahead = partial(
+        find_ahead = partial(
             gap_on_line, line, arc, runs.cursor, s, min(90.0, 25.0 + 4.0 * v), self._half_length,
             self._half_width, room, v,
         )  # fmt: skip
-        gap, other, index = ahead(objects, sizes, kinds, len(objects))
+        actors = Actors(objects, sizes, kinds)
         halt_distance = find_halt(
-            v, s, float(way.points[runs.cursor, 3]), runs.waited, observation.light_distance,
-            int(observation.light), observation.light_protected, objects, sizes, kinds,
-            self._half_length, way.wall, way.conflicts.zones, way.conflicts.first,
-            way.conflicts.foes, gap, other, index,
+            v, s, float(way.points[runs.cursor, WayCol.WANTED]), runs.waited,
+            next_signal(observation), actors, self._half_length, way.wall, way.conflicts,
+            find_ahead(actors),
         )  # fmt: skip
-        walkers = kinds == 1
-        step_in, pace, _ = ahead(
-            objects[walkers], sizes[walkers], kinds[walkers], int(walkers.sum())
-        )
+        walkers = kinds == ObjectKind.WALKER
+        step_in, pace, _ = find_ahead(Actors(objects[walkers], sizes[walkers], kinds[walkers]))
         roll_out(
             v, self._asked, runs.cursor, s, lateral, s + self._half_length + halt_distance,
             s + step_in, max(pace, 0.0), self._car, room, way.points, self._sides[runs.current],

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, gap_on_line
-from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halt
-from drivora_service.agents.idm.run_following import RunFollower
+from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, Actors, gap_on_line
+from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halt, next_signal
+from drivora_service.agents.idm.run_following import RunFollower, WayCol
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 from drivora_service.agents.pdm_closed.forecast import STEP, STEPS, forecast, see_from_way
 from drivora_service.agents.pdm_closed.margins import side_margins
@@ -45,7 +45,7 @@ class PdmClosedAgent:
         self._parameters = parameters
 
     def setup_env(self, context: AgentContext) -> None:
-        """Prepares the lane runs of the route, and the room beside them."""
+        """Finds the lane runs of the route, and the room beside them."""
         model = context.model
         self._runs = RunFollower(context, self._parameters.speed_factor)
         self._margins = [side_margins(context.network, way.run) for way in self._runs.ways]
@@ -72,12 +72,12 @@ class PdmClosedAgent:
         self._log.declare("offset", "speed_factor", "score", "collision_time", "halt_distance")
 
     def run_step(self, observation: Observation) -> AccelerationControl:
-        """Drives."""
+        """Returns the first control of the best proposal."""
         runs, v = self._runs, observation.speed
         runs.wait(v)
         runs.change_when_possible(observation)
         way, ego = runs.way, observation.ego
-        line, arc = way.points[:, :2], way.points[:, 2]
+        line, arc = way.points[:, : WayCol.ARC], way.points[:, WayCol.ARC]
         x, y = ego[:2].tolist()
         runs.cursor, s, lateral = track_line(line, arc, runs.cursor, 5, 30, x, y)
         watched = self._find_watched(observation)
@@ -134,20 +134,19 @@ class PdmClosedAgent:
     ) -> None:
         """Fills in the arc lengths at which lights, right of way and lane ends halt each speed."""
         runs, v = self._runs, observation.speed
-        way, zones = runs.way, runs.way.conflicts
-        line, arc = way.points[:, :2], way.points[:, 2]
-        gap, other, index = gap_on_line(
+        way = runs.way
+        line, arc = way.points[:, : WayCol.ARC], way.points[:, WayCol.ARC]
+        actors, signal = Actors(objects, sizes, kinds), next_signal(observation)
+        ahead = gap_on_line(
             line, arc, runs.cursor, s, min(90.0, 25.0 + 4.0 * v), self._half_length,
-            self._half_width, room, v, objects, sizes, kinds, len(objects),
+            self._half_width, room, v, actors,
         )  # fmt: skip
-        limit = float(way.points[runs.cursor, 3])
+        limit = float(way.points[runs.cursor, WayCol.WANTED])
         for number, factor in enumerate(FACTORS):
             self._stops[number] = (
                 find_halt(
-                    v, s, limit * factor, runs.waited, observation.light_distance,
-                    int(observation.light), observation.light_protected, objects, sizes, kinds,
-                    self._half_length, way.wall, zones.zones, zones.first, zones.foes, gap, other,
-                    index,
+                    v, s, limit * factor, runs.waited, signal, actors, self._half_length, way.wall,
+                    way.conflicts, ahead,
                 )
                 + s
                 + self._half_length
