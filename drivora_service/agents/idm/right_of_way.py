@@ -222,3 +222,30 @@ def find_halt(
             if leaves_junction - 2.0 < rear_of_other < leaves_junction + 2.0 * half_length + 1.5:
                 stop = min(stop, max(gate - front - 0.5, 0.0))
     return stop
+
+
+@compiled
+def find_halts(
+    v: float,
+    s: float,
+    wanted: FloatArray,
+    waited: float,
+    signal: Signal,
+    actors: Actors,
+    half_length: float,
+    wall: float,
+    conflicts: Conflicts,
+    ahead: Ahead,
+    halts: FloatArray,
+) -> None:
+    """Finds the distances to the next halt at several desired speeds.
+
+    Args:
+        wanted: (n,) desired speeds, m/s.
+        halts: (n,) filled, metres; inf without a halt.
+        v, s, waited, signal, actors, half_length, wall, conflicts, ahead: As for ``find_halt``.
+    """
+    for k in range(wanted.shape[0]):
+        halts[k] = find_halt(
+            v, s, wanted[k], waited, signal, actors, half_length, wall, conflicts, ahead
+        )

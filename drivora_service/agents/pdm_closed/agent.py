@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, Actors, gap_on_line
-from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halt, next_signal
+from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halts, next_signal
 from drivora_service.agents.idm.run_following import RunFollower, WayCol
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 from drivora_service.agents.pdm_closed.forecast import STEP, STEPS, forecast, see_from_way
@@ -142,15 +142,12 @@ class PdmClosedAgent:
             self._half_width, room, v, actors,
         )  # fmt: skip
         limit = float(way.points[runs.cursor, WayCol.WANTED])
-        for number, factor in enumerate(FACTORS):
-            self._stops[number] = (
-                find_halt(
-                    v, s, limit * factor, runs.waited, signal, actors, self._half_length, way.wall,
-                    way.conflicts, ahead,
-                )
-                + s
-                + self._half_length
-            )  # fmt: skip
+        find_halts(
+            v, s, limit * self._factors, runs.waited, signal, actors, self._half_length, way.wall,
+            way.conflicts, ahead, self._stops,
+        )  # fmt: skip
+        self._stops += s
+        self._stops += self._half_length
 
     def _execute(self, s: float) -> AccelerationControl:
         """Chooses a proposal and returns its first control."""
