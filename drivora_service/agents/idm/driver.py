@@ -12,7 +12,7 @@ from drivora_service.agents.idm.driving import Car, Decision, Lane, decide
 from drivora_service.agents.idm.run_following import RunFollower, Way, WayCol
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
 from drivora_service.compilation import specialize
-from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.geometry.array_shapes import FloatArray, IntArray
 
 LOST = 8.0
 """Metres beside its line from which on the driver is lost, and stops."""
@@ -44,6 +44,10 @@ class IdmDriver:
         self._near_goal = 0
         self._decide = decide
         self._actors: Actors | None = None
+        # Of ``_actors``: attributes of a record take longer to look up.
+        self._objects: FloatArray | None = None
+        self._sizes: FloatArray | None = None
+        self._kinds: IntArray | None = None
         self._log = context.log
         self._log.declare("gap", "wanted_speed", "halt_distance")
 
@@ -63,9 +67,9 @@ class IdmDriver:
         ego, objects = observation.ego, observation.objects
         actors = self._actors
         if (
-            actors is not None and objects is actors.objects
-            and observation.object_sizes is actors.sizes
-            and observation.object_kinds is actors.kinds
+            actors is not None and objects is self._objects
+            and observation.object_sizes is self._sizes
+            and observation.object_kinds is self._kinds
             and ego.strides == _ONE_FLOAT and ego.dtype is _FLOAT
         ):  # fmt: skip
             kernel = self._decide
@@ -97,6 +101,7 @@ class IdmDriver:
             and (ego.ndim, *(array.ndim for array in actors)) == (1, 2, 2, 1)
         ):
             self._actors = actors
+            self._objects, self._sizes, self._kinds = actors
             self._decide = specialize(decide)
 
 

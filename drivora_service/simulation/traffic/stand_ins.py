@@ -22,6 +22,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import NamedTuple
 
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.road_network import Lane, RoadNetwork
@@ -51,6 +52,13 @@ def _lanes_before(network: RoadNetwork) -> Mapping[int, tuple[int, ...]]:
     return found
 
 
+class _StandIn(NamedTuple):
+    """A vehicle in SUMO that stands for a part of an actor; ``length`` in metres."""
+
+    id: str
+    length: float
+
+
 @dataclass(slots=True, eq=False)
 class _Stance:
     """The state of a moved actor.
@@ -58,12 +66,12 @@ class _Stance:
     Attributes:
         stood: Steps for which it has stood.
         seen: Whether its box has been checked since it last moved.
-        held: Its stand-ins: id and length in metres, by lane index.
+        held: Its stand-ins by lane index.
     """
 
     stood: int = 0
     seen: bool = False
-    held: dict[int, tuple[str, float]] = field(default_factory=dict)
+    held: dict[int, _StandIn] = field(default_factory=dict)
 
 
 class StandIns:
@@ -190,7 +198,7 @@ class StandIns:
         """Puts stand-ins on the given stretches, and removes the actor's others."""
         wanted = {one.lane: one for one in under}
         for lane_index in [lane for lane in stance.held if lane not in wanted]:
-            self._sumo.remove(stance.held.pop(lane_index)[0])
+            self._sumo.remove(stance.held.pop(lane_index).id)
         for lane_index, one in wanted.items():
             lane = self._network.lanes[lane_index]
             scale = lane.length / float(lane.arc[-1])
@@ -200,19 +208,19 @@ class StandIns:
             )
             length = max(math.ceil((end - begin) / _ROUNDING) * _ROUNDING, _ROUNDING)
             held = stance.held.get(lane_index)
-            if held is not None and held[1] != length:
-                self._sumo.remove(held[0])
+            if held is not None and held.length != length:
+                self._sumo.remove(held.id)
                 held = None
             if held is None:
                 edges = self._edges(lane)
                 if not edges:
                     continue
-                held = (f"stand-in:{self._made}", length)
+                held = _StandIn(f"stand-in:{self._made}", length)
                 self._made += 1
                 stance.held[lane_index] = held
-                self._sumo.add_stand_in(held[0], edges, length=length, width=lane.width)
+                self._sumo.add_stand_in(held.id, edges, length=length, width=lane.width)
             # Its rear is where the box begins, or as near as the lane allows.
-            self._sumo.move_stand_in(held[0], lane.id, min(begin + length, last))
+            self._sumo.move_stand_in(held.id, lane.id, min(begin + length, last))
 
     def _edges(self, lane: Lane) -> tuple[str, ...]:
         """Returns a route for a stand-in on a lane; empty for a dead end."""
