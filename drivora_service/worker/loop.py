@@ -19,7 +19,7 @@ from drivora_service.errors import DrivoraError, SimulatorError
 from drivora_service.runs.candidate import Candidate, CandidateSource
 from drivora_service.runs.lifecycle import SIMULATOR_ERROR
 from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
-from drivora_service.simulation.run_phase import RunPhase
+from drivora_service.simulation.run_phase import BoardCell, RunPhase
 from drivora_service.worker.channel import ChannelClosedError, Frame, Kind, receive, send
 from drivora_service.worker.progress_board import ProgressBoard
 from drivora_service.worker.worker_messages import (
@@ -99,7 +99,7 @@ def serve(channel: socket.socket, board_file: int, task: WorkerTask) -> None:
         spec: RunSpec = pickle.loads(frame.body)
         report = _report(spec, do, task, board)
         # A report that arrives during a call of an agent is not the worker's own.
-        board.cells[0] = RunPhase.IDLE
+        board.cells[BoardCell.PHASE] = RunPhase.IDLE
         # Together, as each wakes the slot.
         send(channel, frame_of_report(report), Frame(Kind.READY))
 
@@ -136,8 +136,8 @@ def _prepare_candidate(
     source: CandidateSource, task: WorkerTask, board: ProgressBoard
 ) -> Candidate:
     # No agent of this run is there yet.
-    board.cells[4] = 0
-    board.cells[0] = RunPhase.PREPARING
+    board.cells[BoardCell.IN_PROCESS] = 0
+    board.cells[BoardCell.PHASE] = RunPhase.PREPARING
     prepare: Prepare = pkgutil.resolve_name(task.prepare)
     return prepare(source, task.setup)
 

@@ -45,13 +45,13 @@ from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.episode_changes import changes_anything
 from drivora_service.simulation.planning import plan_episode
 from drivora_service.simulation.plans.episode_plan import EpisodePlan
-from drivora_service.simulation.run_phase import RunPhase
+from drivora_service.simulation.run_phase import BoardCell, RunPhase
 from drivora_service.simulation.sumo import SUMO_ERRORS
 from drivora_service.worker.candidate_preparing import space_of_candidates
 from drivora_service.worker.integrity import describe_code_changes, snapshot_judging_code
 from drivora_service.worker.interventions import leave_scenario
 from drivora_service.worker.measuring import is_built_in, make_feedback, measure_run
-from drivora_service.worker.progress_board import BOARD_CELLS, ProgressBoard
+from drivora_service.worker.progress_board import ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
 from drivora_service.worker.without_effect import genes_without_effect
 from drivora_service.worker.worker_catalogues import agents_of, networks_of, oracles_of
@@ -96,10 +96,10 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
     Raises:
         SimulatorError: SUMO itself fails; the slot records it as a crash.
     """
-    cells = np.zeros(BOARD_CELLS, dtype=np.int64) if board is None else board.cells
-    cells[3] += 1
-    cells[1] = cells[2] = cells[4] = 0
-    cells[0] = RunPhase.PREPARING
+    cells = np.zeros(len(BoardCell), dtype=np.int64) if board is None else board.cells
+    cells[BoardCell.RUN] += 1
+    cells[[BoardCell.STEP, BoardCell.EGO, BoardCell.IN_PROCESS]] = 0
+    cells[BoardCell.PHASE] = RunPhase.PREPARING
     course = _Course(started=time.perf_counter(), versions=_versions())
     try:
         return _perform(spec, setup, board, cells, course)
@@ -125,7 +125,7 @@ def perform(spec: RunSpec, setup: WorkerSetup, board: ProgressBoard | None = Non
         failure = RunFailure(cause=changed.cause, message=str(changed), log=log)
         return _make_failed_report(spec, RunStatus.AGENT_FAILED, failure, course)
     finally:
-        cells[0] = RunPhase.IDLE
+        cells[BoardCell.PHASE] = RunPhase.IDLE
 
 
 def _perform(
@@ -150,7 +150,9 @@ def _perform(
     names = (*(law.name for law in laws), *(oracle.name for oracle in installed))
     course.versions = {**course.versions, **_versions_of(oracles, names)}
     course.agents = {ego.id: catalogue.fill_defaults(ego.agent) for ego in scenario.ego_vehicles}
-    cells[4] = any(catalogue.is_in_process(e.agent.name) for e in scenario.ego_vehicles)
+    cells[BoardCell.IN_PROCESS] = any(
+        catalogue.is_in_process(ego.agent.name) for ego in scenario.ego_vehicles
+    )
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
     feedback = (
         None
@@ -168,7 +170,7 @@ def _perform(
         mirrored=has_guests,
         holding=adversary is None,
     )
-    cells[0] = RunPhase.SIMULATING
+    cells[BoardCell.PHASE] = RunPhase.SIMULATING
     begun = time.perf_counter()
     tables: Mapping[str, Table] = {}
     if adversary is None:
@@ -179,7 +181,7 @@ def _perform(
         played = play(episode, adversary, partial(leave_scenario, board, spec))
         trace, tables = played.trace, played.tables
     course.stepping = time.perf_counter() - begun
-    cells[0] = RunPhase.JUDGING
+    cells[BoardCell.PHASE] = RunPhase.JUDGING
     if changes := code.changes():
         raise _make_agent_error(changes, course)
     trace.meta["versions"] = course.versions

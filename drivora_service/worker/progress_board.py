@@ -24,10 +24,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivora_service.simulation.run_phase import SETTING_UP, RunPhase
+from drivora_service.simulation.run_phase import SETTING_UP, BoardCell, RunPhase
 
-_CELLS = struct.Struct("=5q")
+_CELLS = struct.Struct(f"={len(BoardCell)}q")
+"""All of ``BoardCell``, as on the board."""
 _PHASE = struct.Struct("=q")
+"""The first cell alone."""
 _NOTE = struct.Struct("=Q")
 _NOTE_AT = _CELLS.size
 _USUAL_NOTE = 1 << 14
@@ -65,17 +67,12 @@ NO_PROGRESS = Progress(phase=RunPhase.IDLE, step=0, ego=0, run_counter=0)
 """The reading of an empty board."""
 
 
-BOARD_CELLS = 5
-"""Number of integers on a board."""
-
-
 class ProgressBoard:
     """The worker's side of the shared integers.
 
     Attributes:
-        cells: (5,) int64: phase, step, ego, number of the run on this worker, and 1 if an agent of
-            the run lives in this process. Written directly by the step loop, where a method call
-            would cost more than the write.
+        cells: (5,) int64, columns ``BoardCell``. Written directly by the step loop, where a method
+            call would cost more than the write.
     """
 
     def __init__(self, file: int) -> None:
@@ -97,7 +94,7 @@ class BoardReader:
     """The supervisor's side of the shared integers. Thread-safe."""
 
     def __init__(self) -> None:
-        """Makes the shared memory, empty."""
+        """Creates the shared memory, filled with zeros."""
         self._file = _shared_file()
         self._lock = threading.Lock()
 
@@ -111,13 +108,13 @@ class BoardReader:
             data = b"" if self._file < 0 else os.pread(self._file, _CELLS.size, 0)
         if len(data) < _CELLS.size:
             return NO_PROGRESS
-        phase, step, ego, counter, in_process = _CELLS.unpack(data)
+        cells = _CELLS.unpack(data)
         return Progress(
-            phase=_phase(phase),
-            step=_clip_number(step),
-            ego=_clip_number(ego),
-            run_counter=_clip_number(counter),
-            in_process=bool(in_process),
+            phase=_phase(cells[BoardCell.PHASE]),
+            step=_clip_number(cells[BoardCell.STEP]),
+            ego=_clip_number(cells[BoardCell.EGO]),
+            run_counter=_clip_number(cells[BoardCell.RUN]),
+            in_process=bool(cells[BoardCell.IN_PROCESS]),
         )
 
     def phase(self) -> RunPhase:
@@ -161,7 +158,7 @@ def _clip_number(value: int) -> int:
 
 
 def _shared_file() -> int:
-    """Makes a file for the cells, filled with zeros, that has no name and can grow."""
+    """Returns the descriptor of a file for the cells, all 0, that has no name and can grow."""
     if sys.platform != "linux":
         with tempfile.TemporaryFile() as file:
             file.truncate(_CELLS.size)

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from drivora_service.errors import SimulatorError
 from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
-from drivora_service.simulation.run_phase import RunPhase
+from drivora_service.simulation.run_phase import BoardCell, RunPhase
 from drivora_service.worker.progress_board import ProgressBoard
 
 
@@ -31,9 +31,9 @@ def perform_candidate(spec: RunSpec, setup: object, board: ProgressBoard) -> Run
 def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
     """Performs the task of the document's first word, with the second as its argument."""
     word, _, argument = spec.document.partition(" ")
-    board.cells[3] += 1
-    board.cells[4] = 0
-    board.cells[0] = RunPhase.SIMULATING
+    board.cells[BoardCell.RUN] += 1
+    board.cells[BoardCell.IN_PROCESS] = 0
+    board.cells[BoardCell.PHASE] = RunPhase.SIMULATING
     match word:
         case "sleep":
             time.sleep(float(argument))
@@ -109,7 +109,7 @@ def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
             time.sleep(0.5)
         case "sends-like-finished":
             body = b'{"run_id":"%s","status":"finished","steps":"many"}' % spec.run_id.encode()
-            board.cells[0] = RunPhase.IDLE
+            board.cells[BoardCell.PHASE] = RunPhase.IDLE
             _channel().sendall(_frame(4, body) + _frame(1, b""))
             time.sleep(3600)
         case "daemonizes":
@@ -145,7 +145,7 @@ def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
             os._exit(3)
         case "reports":
             status, _, where = argument.partition(" ")
-            board.cells[4] = where == "in-process"
+            board.cells[BoardCell.IN_PROCESS] = where == "in-process"
             return RunReport(
                 run_id=spec.run_id,
                 status=RunStatus(status),
@@ -162,7 +162,7 @@ def perform(spec: RunSpec, setup: object, board: ProgressBoard) -> RunReport:
             except FileExistsError:
                 return _finished(spec, {})
             os.kill(os.getpid(), signal.SIGSEGV)
-    board.cells[0] = RunPhase.IDLE
+    board.cells[BoardCell.PHASE] = RunPhase.IDLE
     return _finished(spec, {"pid": str(os.getpid()), "setup": str(setup)})
 
 
@@ -242,8 +242,9 @@ def _daemonize(note: Path) -> None:
 
 
 def _call_agent(board: ProgressBoard) -> None:
-    board.cells[1], board.cells[2], board.cells[4] = 17, 2, 1
-    board.cells[0] = RunPhase.IN_AGENT
+    board.cells[BoardCell.STEP], board.cells[BoardCell.EGO] = 17, 2
+    board.cells[BoardCell.IN_PROCESS] = 1
+    board.cells[BoardCell.PHASE] = RunPhase.IN_AGENT
 
 
 def _finished(spec: RunSpec, versions: dict[str, str]) -> RunReport:

@@ -15,6 +15,7 @@ from drivora_service.observations.trace_files.trace_file import read_trace
 from drivora_service.runs.run_report import RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.validation import validate_data
+from drivora_service.simulation.run_phase import BoardCell
 from drivora_service.worker.performing import perform
 from drivora_service.worker.progress_board import BoardReader, ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
@@ -29,7 +30,7 @@ class ReplacingCells(np.ndarray[tuple[int], np.dtype[np.int64]]):
 
     def __setitem__(self, place: Any, value: Any) -> None:
         super().__setitem__(place, value)
-        if self[1] >= 1 and self.files is not None:
+        if self[BoardCell.STEP] >= 1 and self.files is not None:
             other, path = self.files
             self.files = None
             other.replace(path)
