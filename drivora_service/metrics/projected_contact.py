@@ -15,7 +15,7 @@ from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, Int32Array
 from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import LEVEL_GAP, Col
+from drivora_service.observations.trace import LEVEL_GAP, Col, SizeCol
 from drivora_service.oracles.responsibility.nuplan import is_beside_lane
 
 LEAST_TIME_TO_COLLISION = 0.95
@@ -38,8 +38,6 @@ REAR_AXLE = 1.461 / 5.176
 
 OFF_ROAD = 0.3
 """Metres outside the drivable area from which on the ego is off the road."""
-
-_Z = int(Col.Z)
 
 
 def contact_projected(ego: EgoView) -> bool:
@@ -90,36 +88,37 @@ def _meets(
 
     Args:
         states, present: Of the trace.
-        sizes: (N, 2) lengths and widths.
+        sizes: (N, 2), columns ``SizeCol``.
         row: The ego.
         steps: (m,) rows of the trace.
         beside: (m,) whether actors beside the ego count.
         touched: (N,) row from which on an actor has touched the ego, and counts no more.
         times: Seconds ahead.
     """
-    length, width = sizes[row, 0], sizes[row, 1]
+    length, width = sizes[row, SizeCol.LENGTH], sizes[row, SizeCol.WIDTH]
     for m in range(len(steps)):
         t = steps[m]
-        x, y, yaw = states[t, row, 0], states[t, row, 1], states[t, row, 2]
+        ego = states[t, row]
+        x, y, yaw = ego[Col.X], ego[Col.Y], ego[Col.YAW]
         cos, sin = math.cos(yaw), math.sin(yaw)
         back = REAR_AXLE * length
         for j in range(states.shape[1]):
             if j == row or not present[t, j] or t >= touched[j]:
                 continue
             other = states[t, j]
-            if abs(other[_Z] - states[t, row, _Z]) > LEVEL_GAP:
+            if abs(other[Col.Z] - ego[Col.Z]) > LEVEL_GAP:
                 continue
-            dx, dy = other[0] - x, other[1] - y
+            dx, dy = other[Col.X] - x, other[Col.Y] - y
             ahead, aside = dx * cos + dy * sin + back, -dx * sin + dy * cos
             bearing = abs(math.atan2(aside, ahead))
             if bearing >= AHEAD and (not beside[m] or bearing > BEHIND):
                 continue
-            dvx, dvy = other[3] - states[t, row, 3], other[4] - states[t, row, 4]
+            dvx, dvy = other[Col.VX] - ego[Col.VX], other[Col.VY] - ego[Col.VY]
             for time in times:
                 if (
                     overlap_depth(
                         dx + dvx * time, dy + dvy * time, yaw, length, width,
-                        other[2], sizes[j, 0], sizes[j, 1],
+                        other[Col.YAW], sizes[j, SizeCol.LENGTH], sizes[j, SizeCol.WIDTH],
                     ) > 0.0
                 ):  # fmt: skip
                     return True

@@ -18,7 +18,7 @@ import numpy as np
 from drivora_service.compilation import compiled
 from drivora_service.errors import UnknownName
 from drivora_service.geometry.array_shapes import FloatArray
-from drivora_service.observations.trace import LEVEL_GAP, Actor
+from drivora_service.observations.trace import LEVEL_GAP, Actor, Col
 from drivora_service.scenario.models.actor_models import ActorKind, actor_model
 
 _WHEELBASE_SHARE = 0.6
@@ -54,13 +54,14 @@ def friction_at(x: float, y: float, z: float, friction: float, patches: FloatArr
         patches: (P, 8), columns ``PatchCol``.
     """
     for p in range(patches.shape[0]):
-        if patches[p, 7] >= friction or abs(z - patches[p, 6]) > LEVEL_GAP:
+        patch = patches[p]
+        if patch[PatchCol.FRICTION] >= friction or abs(z - patch[PatchCol.Z]) > LEVEL_GAP:
             continue
-        dx, dy = x - patches[p, 0], y - patches[p, 1]
-        along = dx * patches[p, 2] + dy * patches[p, 3]
-        across = dy * patches[p, 2] - dx * patches[p, 3]
-        if abs(along) <= patches[p, 4] and abs(across) <= patches[p, 5]:
-            friction = patches[p, 7]
+        dx, dy = x - patch[PatchCol.X], y - patch[PatchCol.Y]
+        along = dx * patch[PatchCol.COS] + dy * patch[PatchCol.SIN]
+        across = dy * patch[PatchCol.COS] - dx * patch[PatchCol.SIN]
+        if abs(along) <= patch[PatchCol.HALF_LENGTH] and abs(across) <= patch[PatchCol.HALF_WIDTH]:
+            friction = patch[PatchCol.FRICTION]
     return friction
 
 
@@ -108,11 +109,16 @@ def vehicle_friction(
 
 @compiled
 def _lower(
-    states: FloatArray, wheelbase: float, patches: FloatArray, frictions: FloatArray
+    poses: FloatArray,
+    heights: FloatArray,
+    wheelbase: float,
+    patches: FloatArray,
+    frictions: FloatArray,
 ) -> None:
-    for k in range(states.shape[0]):
-        x, y, yaw, z = states[k, 0], states[k, 1], states[k, 2], states[k, 3]
-        frictions[k] = vehicle_friction(x, y, z, yaw, wheelbase, frictions[k], patches)
+    """Lowers the frictions of the road, one for each pose, to those of the patches there."""
+    for k in range(poses.shape[0]):
+        x, y, yaw = poses[k, Col.X], poses[k, Col.Y], poses[k, Col.YAW]
+        frictions[k] = vehicle_friction(x, y, heights[k], yaw, wheelbase, frictions[k], patches)
 
 
 def frictions_along(
@@ -125,7 +131,7 @@ def frictions_along(
     """Returns the friction coefficient that a vehicle has in each pose, (n,).
 
     Args:
-        poses: (n, 3) x, y and heading.
+        poses: (n, 3), columns ``Col`` up to ``YAW``.
         heights: (n,) metres.
         wheelbase: Metres; 0: of its centre alone.
         friction: Coefficient of the road without patches, or (n,) of them, one for each pose.
@@ -133,8 +139,8 @@ def frictions_along(
     """
     found: FloatArray = np.array(np.broadcast_to(friction, len(poses)), dtype=np.float64)
     if len(patches):
-        states = np.column_stack((poses, heights))
-        _lower(states, wheelbase, patches, found)
+        poses, heights = np.ascontiguousarray(poses), np.ascontiguousarray(heights)
+        _lower(poses, heights, wheelbase, patches, found)
     return found
 
 

@@ -10,14 +10,13 @@ import numpy as np
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, Int32Array
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import LEVEL_GAP, Col, Role
+from drivora_service.observations.trace import LEVEL_GAP, Col, Role, SizeCol
 
 VEHICLES = (Role.EGO, Role.NPC_VEHICLE, Role.BACKGROUND)
 
 SAME_WAY = math.radians(45.0)
 """Difference of headings up to which one vehicle follows another, radians."""
 
-_Z = int(Col.Z)
 _ROUNDING = 1e-6
 """Metres by which the quick check is wider than the exact one."""
 
@@ -81,27 +80,29 @@ def _in_front(
     room = np.full(rows, np.inf)
     speed = np.full(rows, np.nan)
     same = np.zeros(rows, dtype=np.bool_)
-    length, width = sizes[row, 0], sizes[row, 1] + 2.0 * margin
+    length = sizes[row, SizeCol.LENGTH]
+    width = sizes[row, SizeCol.WIDTH] + 2.0 * margin
     for t in range(rows):
         ego = states[t, row]
-        cos, sin = math.cos(ego[2]), math.sin(ego[2])
+        cos, sin = math.cos(ego[Col.YAW]), math.sin(ego[Col.YAW])
         for j in range(states.shape[1]):
-            if not counts[t, j] or abs(states[t, j, _Z] - ego[_Z]) > LEVEL_GAP:
-                continue
             other = states[t, j]
-            dx, dy = other[0] - ego[0], other[1] - ego[1]
+            if not counts[t, j] or abs(other[Col.Z] - ego[Col.Z]) > LEVEL_GAP:
+                continue
+            other_length, other_width = sizes[j, SizeCol.LENGTH], sizes[j, SizeCol.WIDTH]
+            dx, dy = other[Col.X] - ego[Col.X], other[Col.Y] - ego[Col.Y]
             ahead = dx * cos + dy * sin
             across = abs(-dx * sin + dy * cos)
             # The second condition only saves the angles of most actors.
-            if ahead <= 0.0 or across >= 0.5 * (width + sizes[j, 0] + sizes[j, 1]) + _ROUNDING:
+            if ahead <= 0.0 or across >= 0.5 * (width + other_length + other_width) + _ROUNDING:
                 continue
-            turn = other[2] - ego[2]
+            turn = other[Col.YAW] - ego[Col.YAW]
             c, s = abs(math.cos(turn)), abs(math.sin(turn))
-            if across >= 0.5 * (width + sizes[j, 0] * s + sizes[j, 1] * c):
+            if across >= 0.5 * (width + other_length * s + other_width * c):
                 continue
-            gap = max(ahead - 0.5 * (length + sizes[j, 0] * c + sizes[j, 1] * s), 0.0)
+            gap = max(ahead - 0.5 * (length + other_length * c + other_width * s), 0.0)
             if gap < room[t]:
                 actor[t], room[t] = j, gap
-                speed[t] = other[3] * cos + other[4] * sin
+                speed[t] = other[Col.VX] * cos + other[Col.VY] * sin
                 same[t] = math.cos(turn) >= math.cos(same_way)
     return actor, room, speed, same

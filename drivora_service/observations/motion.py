@@ -63,14 +63,14 @@ def filter_motion(states: FloatArray, step_length: float) -> FilteredMotion | No
     along, across = own_acceleration(states)
     ax, ay = states[:, Col.AX], states[:, Col.AY]
     own = np.stack((along, across, states[:, Col.YAW_RATE]))
-    smoothed = smooth(own, smoothing)
-    rising = np.stack((own[0], np.hypot(ax, ay), own[2]))
-    rates = slopes(rising, derivative, step_length)
+    longitudinal, lateral, yaw_rate = smooth(own, smoothing)
+    rising = np.stack((along, np.hypot(ax, ay), states[:, Col.YAW_RATE]))
+    longitudinal_jerk, jerk, yaw_acceleration = slopes(rising, derivative, step_length)
     return FilteredMotion(
-        longitudinal_acceleration=smoothed[0],
-        lateral_acceleration=smoothed[1],
-        yaw_rate=smoothed[2],
-        longitudinal_jerk=rates[0],
-        jerk=rates[1],
-        yaw_acceleration=rates[2],
+        longitudinal_acceleration=longitudinal,
+        lateral_acceleration=lateral,
+        yaw_rate=yaw_rate,
+        longitudinal_jerk=longitudinal_jerk,
+        jerk=jerk,
+        yaw_acceleration=yaw_acceleration,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,13 @@ if TYPE_CHECKING:
 
 _BEND_SHARE = 2.0
 """Factor by which a road's border may deviate further from its tangents than a lane's centre."""
+
+
+class BorderCol(IntEnum):
+    """Columns of ``EgoView.room_beside``."""
+
+    LEFT = 0
+    RIGHT = 1
 
 
 class EgoView:
@@ -158,20 +166,20 @@ class EgoView:
 
     @cached_property
     def room_beside(self) -> FloatArray:
-        """(n, 2) metres between its box and the left and the right border of its edge's lanes.
+        """(n, 2) metres between its box and the borders of its edge's lanes, ``BorderCol``.
 
         Negative where it reaches beyond them; NaN off all lanes.
         """
         lateral = self.value(EgoCol.LANE_LATERAL)
-        room = np.full((self.count, 2), np.nan)
+        room = np.full((self.count, len(BorderCol)), np.nan)
         for index in np.unique(self.lanes):
             if index < 0:
                 continue
             here = np.flatnonzero(self.lanes == index)
             left, right = _road_beside(self.network, int(index))
             reach = self.lateral_reach[here]
-            room[here, 0] = left - lateral[here] - reach
-            room[here, 1] = right + lateral[here] - reach
+            room[here, BorderCol.LEFT] = left - lateral[here] - reach
+            room[here, BorderCol.RIGHT] = right + lateral[here] - reach
         return room
 
     def _within_lanes(self) -> BoolArray:
@@ -239,7 +247,7 @@ class RunView:
     """
 
     def __init__(self, trace: Trace, network: RoadNetwork) -> None:
-        """Prepares a view; costly values are computed on first use."""
+        """Creates a view of each ego; costly values are computed on first use."""
         self.trace = trace
         self.network = network
         self.egos = tuple(EgoView(trace, network, row) for row in range(trace.ego_count))

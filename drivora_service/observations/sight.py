@@ -12,11 +12,14 @@ import numpy as np
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
-from drivora_service.observations.trace import LEVEL_GAP
+from drivora_service.observations.trace import LEVEL_GAP, Col, SizeCol
 
 _ABOVE_ROOF = 0.2
 """Metres."""
 _EDGE = 1e-9
+_ASKED = ((0.0, 0.0), (0.5, 0.5), (0.5, -0.5), (-0.5, 0.5), (-0.5, -0.5))
+"""The points of a box whose lines of sight are checked: its centre and its corners, as shares of
+its length along the heading and of its width to the left."""
 _CLEAR = 1e-3
 """Metres by which the quick check of lines of sight is wider than the exact one."""
 
@@ -35,9 +38,9 @@ def is_hidden(
     Args:
         ego: Row of the ego.
         other: Row of the actor to check.
-        states: (N, 9) states of one frame.
+        states: (N, 9) states of one frame, columns ``Col``.
         present: (N,) whether each actor is in the world.
-        sizes: (N, 2) length and width, metres.
+        sizes: (N, 2), columns ``SizeCol``.
         heights: (N,) metres.
     """
     near = distances_to_boxes(ego, states, present, sizes)
@@ -56,10 +59,14 @@ def distances_to_boxes(
     """
     near = np.full(states.shape[0], np.inf)
     for k in range(states.shape[0]):
-        if k == ego or not present[k] or abs(states[k, 8] - states[ego, 8]) > LEVEL_GAP:
+        if k == ego or not present[k]:
             continue
-        half = 0.5 * math.hypot(sizes[k, 0], sizes[k, 1])
-        gap = math.hypot(states[k, 0] - states[ego, 0], states[k, 1] - states[ego, 1])
+        if abs(states[k, Col.Z] - states[ego, Col.Z]) > LEVEL_GAP:
+            continue
+        half = 0.5 * math.hypot(sizes[k, SizeCol.LENGTH], sizes[k, SizeCol.WIDTH])
+        gap = math.hypot(
+            states[k, Col.X] - states[ego, Col.X], states[k, Col.Y] - states[ego, Col.Y]
+        )
         near[k] = gap - half
     return near
 
@@ -81,15 +88,17 @@ def is_hidden_by(
         other: Row of the actor to check.
         near: (N,) as of ``distances_to_boxes``.
         blockers: (N,) scratch space.
-        states: (N, 9) states of one frame.
-        sizes: (N, 2) length and width, metres.
+        states: (N, 9) states of one frame, columns ``Col``.
+        sizes: (N, 2), columns ``SizeCol``.
         heights: (N,) metres.
     """
     eye = heights[ego] + _ABOVE_ROOF
     lowest = min(eye, heights[other])
-    dx, dy = states[other, 0] - states[ego, 0], states[other, 1] - states[ego, 1]
+    x, y = states[other, Col.X], states[other, Col.Y]
+    length, width = sizes[other, SizeCol.LENGTH], sizes[other, SizeCol.WIDTH]
+    dx, dy = x - states[ego, Col.X], y - states[ego, Col.Y]
     away = math.hypot(dx, dy)
-    reach = away + 0.5 * math.hypot(sizes[other, 0], sizes[other, 1])
+    reach = away + 0.5 * math.hypot(length, width)
     count = 0
     for k in range(near.shape[0]):
         if k == other or heights[k] <= lowest or not near[k] < reach:
@@ -100,13 +109,11 @@ def is_hidden_by(
         count += 1
     if count == 0:
         return False
-    cos, sin = math.cos(states[other, 2]), math.sin(states[other, 2])
-    for point in range(5):
-        along = 0.0 if point == 0 else (0.5 if point < 3 else -0.5)
-        across = 0.0 if point == 0 else (0.5 if point % 2 else -0.5)
-        forward, left = along * sizes[other, 0], across * sizes[other, 1]
-        px = states[other, 0] + forward * cos - left * sin
-        py = states[other, 1] + forward * sin + left * cos
+    cos, sin = math.cos(states[other, Col.YAW]), math.sin(states[other, Col.YAW])
+    for along, across in _ASKED:
+        forward, left = along * length, across * width
+        px = x + forward * cos - left * sin
+        py = y + forward * sin + left * cos
         in_sight = True
         for b in range(count):
             if _cuts(px, py, heights[other], eye, ego, blockers[b], states, sizes, heights):
@@ -132,9 +139,11 @@ def _is_beside(
 
     They end in the circle around its box, ``away`` metres from the ego in direction (dx, dy).
     """
-    to_x, to_y = states[k, 0] - states[ego, 0], states[k, 1] - states[ego, 1]
+    to_x, to_y = states[k, Col.X] - states[ego, Col.X], states[k, Col.Y] - states[ego, Col.Y]
     # Half the sum of length and width is more than the radius of the circle around a box.
-    both = 0.5 * (sizes[k, 0] + sizes[k, 1] + sizes[other, 0] + sizes[other, 1]) + _CLEAR
+    one, two = sizes[k], sizes[other]
+    spans = one[SizeCol.LENGTH] + one[SizeCol.WIDTH] + two[SizeCol.LENGTH] + two[SizeCol.WIDTH]
+    both = 0.5 * spans + _CLEAR
     if abs(dx * to_y - dy * to_x) > both * away:
         return True
     return bool(dx * to_x + dy * to_y < -both * away)
@@ -153,14 +162,15 @@ def _cuts(
     heights: FloatArray,
 ) -> bool:
     """Returns whether the line from the eye to a point passes through the box of actor ``k``."""
-    cos, sin = math.cos(states[k, 2]), math.sin(states[k, 2])
-    dx, dy = states[ego, 0] - states[k, 0], states[ego, 1] - states[k, 1]
+    x, y = states[k, Col.X], states[k, Col.Y]
+    cos, sin = math.cos(states[k, Col.YAW]), math.sin(states[k, Col.YAW])
+    dx, dy = states[ego, Col.X] - x, states[ego, Col.Y] - y
     from_x, from_y = dx * cos + dy * sin, dy * cos - dx * sin
-    dx, dy = px - states[k, 0], py - states[k, 1]
+    dx, dy = px - x, py - y
     to_x, to_y = dx * cos + dy * sin, dy * cos - dx * sin
     enter, leave = 0.0, 1.0
     for axis in range(2):
-        begin, end = (from_x, to_x) if axis == 0 else (from_y, to_y)
+        begin, end = (from_x, to_x) if axis == SizeCol.LENGTH else (from_y, to_y)
         half, step = 0.5 * sizes[k, axis], end - begin
         if abs(step) < _EDGE:
             if abs(begin) >= half:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -14,7 +15,7 @@ from shapely import LineString, Polygon
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry import elementary
-from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.right_of_way import right_of_way
@@ -36,7 +37,13 @@ _MOVING = 0.5
 """m/s below which the ego is not in another actor's way."""
 
 _CROSSING = re.compile(r":.+_c\d+_\d+")
-_Z = int(Col.Z)
+
+
+class _Box(NamedTuple):
+    """Length and width of an actor, metres."""
+
+    length: float
+    width: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -188,8 +195,8 @@ def _lag(ego: EgoView, other: int, first: int, leaves: int, last: int) -> float:
         ego.states,
         np.ascontiguousarray(ego.trace.states[rows, other]),
         np.ascontiguousarray(ego.trace.present[rows, other]),
-        (ego.actor.length, ego.actor.width),
-        (actor.length, actor.width),
+        _Box(ego.actor.length, ego.actor.width),
+        _Box(actor.length, actor.width),
         first,
         leaves,
         last,
@@ -244,26 +251,38 @@ def _walker_first(ego: EgoView, entry: Connection, row: int) -> bool:
 def _least_lag(
     ego: FloatArray,
     other: FloatArray,
-    present: FloatArray,
-    own_size: tuple[float, float],
-    size: tuple[float, float],
+    present: BoolArray,
+    own_box: _Box,
+    box: _Box,
     first: int,
     leaves: int,
     last: int,
 ) -> int:
-    """Finds the least rows from the ego's being at a place to the other's being there; or -1."""
+    """Returns the least rows from the ego's being at a place to the other's being there; or -1.
+
+    Args:
+        ego: (n, 9) its states, columns ``Col``.
+        other: (n, 9) states of the other.
+        present: (n,) flags of the other.
+        own_box: Of the ego.
+        box: Of the other.
+        first: First row of the ego's places.
+        leaves: Last row of its places.
+        last: Last row of the other's.
+    """
     best = last - first + 1
-    reach = 0.5 * (math.hypot(own_size[0], own_size[1]) + math.hypot(size[0], size[1]))
+    reach = 0.5 * (math.hypot(own_box.length, own_box.width) + math.hypot(box.length, box.width))
     for t in range(first, leaves + 1):
         for u in range(t, min(t + best, last + 1)):
-            if not present[u] or abs(other[u, _Z] - ego[t, _Z]) > LEVEL_GAP:
+            if not present[u] or abs(other[u, Col.Z] - ego[t, Col.Z]) > LEVEL_GAP:
                 continue
-            dx, dy = other[u, 0] - ego[t, 0], other[u, 1] - ego[t, 1]
+            dx, dy = other[u, Col.X] - ego[t, Col.X], other[u, Col.Y] - ego[t, Col.Y]
             if math.hypot(dx, dy) > reach:
                 continue
             depth = overlap_depth(
-                dx, dy, ego[t, 2], own_size[0], own_size[1], other[u, 2], size[0], size[1]
-            )
+                dx, dy, ego[t, Col.YAW], own_box.length, own_box.width,
+                other[u, Col.YAW], box.length, box.width,
+            )  # fmt: skip
             if depth > 0.0:
                 best = u - t
                 break

@@ -18,7 +18,7 @@ from drivora_service.observations.reference_path import (
     reference_of,
 )
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.trace import LEVEL_GAP, Col, PoseCol, TerminalEvent
+from drivora_service.observations.trace import LEVEL_GAP, Col, PoseCol, SizeCol, TerminalEvent
 from drivora_service.oracles.verdict import (
     Severity,
     Verdict,
@@ -144,10 +144,6 @@ def replay_contact(ego: EgoView, reference: FloatArray) -> tuple[int, int]:
     )
 
 
-_X, _Y, _YAW, _Z = (int(column) for column in (PoseCol.X, PoseCol.Y, PoseCol.YAW, PoseCol.Z))
-_HEIGHT = int(Col.Z)
-
-
 @compiled
 def _first_contact(
     poses: FloatArray, row: int, states: FloatArray, present: BoolArray, sizes: FloatArray
@@ -156,11 +152,15 @@ def _first_contact(
         pose = poses[t]
         for j in range(states.shape[1]):
             other = states[t, j]
-            if j == row or not present[t, j] or abs(other[_HEIGHT] - pose[_Z]) > LEVEL_GAP:
+            if j == row or not present[t, j]:
+                continue
+            if abs(other[Col.Z] - pose[PoseCol.Z]) > LEVEL_GAP:
                 continue
             if boxes_overlap(
-                pose[_X], pose[_Y], pose[_YAW], sizes[row, 0], sizes[row, 1],
-                other[0], other[1], other[2], sizes[j, 0], sizes[j, 1],
+                pose[PoseCol.X], pose[PoseCol.Y], pose[PoseCol.YAW],
+                sizes[row, SizeCol.LENGTH], sizes[row, SizeCol.WIDTH],
+                other[Col.X], other[Col.Y], other[Col.YAW],
+                sizes[j, SizeCol.LENGTH], sizes[j, SizeCol.WIDTH],
             ):  # fmt: skip
                 return t, j
     return -1, -1

@@ -79,7 +79,7 @@ class _Watcher:
 
     Attributes:
         row: Its row in the trace.
-        places: (t, 2) its positions, metres; NaN while it is absent.
+        places: (t, 2) its positions, columns ``Col.X`` and ``Col.Y``; NaN while it is absent.
         reach: Metres, centre to centre, within which it depends on an actor.
     """
 
@@ -166,7 +166,8 @@ def _margins(way: VehicleWay, watchers: Sequence[_Watcher]) -> FloatArray:
     margins = np.full((len(points), len(watchers[0].places)), np.inf)
     for one in watchers:
         away = np.hypot(
-            points[:, None, 0] - one.places[None, :, 0], points[:, None, 1] - one.places[None, :, 1]
+            points[:, None, Col.X] - one.places[None, :, Col.X],
+            points[:, None, Col.Y] - one.places[None, :, Col.Y],
         )
         steps = np.hypot(*np.diff(one.places, axis=0).T)
         # It may have been nearer between two samples, or before the first one with it.
@@ -184,9 +185,10 @@ def _compute_travel(way: VehicleWay, places: FloatArray) -> FloatArray:
     chosen = _line_points(way)
     points, arc = way.line[chosen], way.arc[chosen]
     away = np.hypot(
-        points[:, None, 0] - places[None, :, 0], points[:, None, 1] - places[None, :, 1]
+        points[:, None, Col.X] - places[None, :, Col.X],
+        points[:, None, Col.Y] - places[None, :, Col.Y],
     )
-    is_there: BoolArray = np.isfinite(places[:, 0])
+    is_there: BoolArray = np.isfinite(places[:, Col.X])
     beside = away <= BESIDE + _LINE_STEP
     came = np.where(beside, arc[:, None], -np.inf).max(axis=0) + _LINE_STEP
     # Off its path: as if it had come to the end.

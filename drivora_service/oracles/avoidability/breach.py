@@ -8,7 +8,7 @@ import numpy as np
 
 from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import BoolArray
-from drivora_service.observations.run_view import EgoView
+from drivora_service.observations.run_view import BorderCol, EgoView
 from drivora_service.observations.trace import Col, EgoCol, Light
 
 OUTSIDE = 0.3
@@ -43,7 +43,7 @@ def _astray(ego: EgoView) -> BoolArray:
     """
     turn = elementary.cos(ego.states[:, Col.YAW] - ego.value(EgoCol.LANE_HEADING))
     with np.errstate(invalid="ignore"):
-        left = ego.room_beside[:, 0] < -OUTSIDE
+        left = ego.room_beside[:, BorderCol.LEFT] < -OUTSIDE
         oncoming = (left | (turn < 0.0)) & ~ego.in_junction
     astray: BoolArray = oncoming | (ego.outside > OUTSIDE)
     return astray

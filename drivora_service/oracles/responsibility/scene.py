@@ -8,7 +8,7 @@ from shapely.geometry.base import BaseGeometry
 
 from drivora_service.geometry.angles import wrap_angle
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.observations.trace import Role, Trace
+from drivora_service.observations.trace import Col, Role, Trace
 from drivora_service.oracles.responsibility.finding import Fault
 from drivora_service.oracles.responsibility.impact import Face, Impact
 from drivora_service.oracles.responsibility.lane_areas import LaneAreas, intrusion
@@ -87,7 +87,7 @@ class Scene:
     def astray(self, party: Party, k: int = -1) -> float:
         """Returns how far a party was in lanes of the other direction only, metres."""
         row = k % party.count
-        place, yaw = party.place(row), float(party.states[row, 2])
+        place, yaw = party.place(row), float(party.states[row, Col.YAW])
         near = [
             lane
             for lane in self.areas.drivable_at(place, 0.5 * party.actor.length)
