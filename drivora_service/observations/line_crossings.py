@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +22,7 @@ TAIL_WIDTH = 3.0
 """The same factor for the tail, which follows the front."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Track:
+class _Track(NamedTuple):
     """The way of a point of an ego.
 
     Attributes:
@@ -38,6 +38,24 @@ class _Track:
     cos: FloatArray
     sin: FloatArray
     width: float
+
+
+class _Line(NamedTuple):
+    """A stop line, as wide as it counts for a point.
+
+    Attributes:
+        x, y: Its middle, metres.
+        along_x, along_y: Direction of its lane, of length 1.
+        height: Metres.
+        half_width: Metres to either side.
+    """
+
+    x: float
+    y: float
+    along_x: float
+    along_y: float
+    height: float
+    half_width: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,48 +132,41 @@ def _passages(lines: StopLines, line: int, track: _Track) -> list[int]:
         line: Row of ``lines``.
         track: Way of the point.
     """
-    px, py = lines.points[line].tolist()
+    x, y = lines.points[line].tolist()
     along_x, along_y = lines.headings[line].tolist()
-    rows = _rows_beyond(
-        track.x, track.y, track.cos, track.sin, track.z, px, py, along_x, along_y,
-        float(lines.heights[line]), track.width * float(lines.half_widths[line]),
-    )  # fmt: skip
-    found: list[int] = rows.tolist()
+    crossed = _Line(
+        x=x,
+        y=y,
+        along_x=along_x,
+        along_y=along_y,
+        height=float(lines.heights[line]),
+        half_width=track.width * float(lines.half_widths[line]),
+    )
+    found: list[int] = _rows_beyond(track, crossed).tolist()
     return found
 
 
 @compiled
-def _rows_beyond(
-    xs: FloatArray,
-    ys: FloatArray,
-    cos: FloatArray,
-    sin: FloatArray,
-    heights: FloatArray,
-    px: float,
-    py: float,
-    along_x: float,
-    along_y: float,
-    height: float,
-    half_width: float,
-) -> IntArray:
-    """Returns the rows in which a track is beyond the line through (px, py) for the first time."""
-    rows = np.empty(xs.shape[0], dtype=np.int64)
+def _rows_beyond(track: _Track, line: _Line) -> IntArray:
+    """Returns the rows in which a track is beyond a line that it was not beyond one row before."""
+    along_x, along_y = line.along_x, line.along_y
+    rows = np.empty(track.x.shape[0], dtype=np.int64)
     count = 0
     before = 0.0
-    for k in range(xs.shape[0]):
-        x, y = xs[k] - px, ys[k] - py
+    for k in range(track.x.shape[0]):
+        x, y = track.x[k] - line.x, track.y[k] - line.y
         ahead = x * along_x + y * along_y
         if (
             k > 0
             and before <= 0.0
             and ahead > 0.0
-            and cos[k] * along_x + sin[k] * along_y > 0.0
-            and abs(heights[k] - height) <= LEVEL_GAP
+            and track.cos[k] * along_x + track.sin[k] * along_y > 0.0
+            and abs(track.z[k] - line.height) <= LEVEL_GAP
         ):
             share = -before / (ahead - before)
             here = y * along_x - x * along_y
-            there = (ys[k - 1] - py) * along_x - (xs[k - 1] - px) * along_y
-            if abs(there + share * (here - there)) <= half_width:
+            there = (track.y[k - 1] - line.y) * along_x - (track.x[k - 1] - line.x) * along_y
+            if abs(there + share * (here - there)) <= line.half_width:
                 rows[count] = k
                 count += 1
         before = ahead

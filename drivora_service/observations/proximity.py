@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, Int32Array
 from drivora_service.geometry.boxes import box_gap, overlap_depth, time_to_contact
 from drivora_service.geometry.kernels import wrap_to_pi
-from drivora_service.observations.trace import LEVEL_GAP, Col, Trace
+from drivora_service.observations.trace import LEVEL_GAP, Col, SizeCol, Trace
 
 HORIZON = 10.0
 """Maximum computed time to collision, seconds."""
@@ -26,7 +27,8 @@ ENCROACHMENT_HORIZON = 5.0
 """Maximum computed post-encroachment time, seconds."""
 
 ENCROACHMENT_STEP = 0.1
-"""Seconds between the ego's places for the search for encroachments."""
+"""Seconds between the ego's places for the search for encroachments: an ego of 4.5 m below 45 m/s
+covers with its boxes at these places all of its path."""
 
 BEHIND = math.radians(150.0)
 """Bearing from which on an actor is behind the ego (nuPlan), radians."""
@@ -35,8 +37,7 @@ CROSSING_ANGLE = math.radians(30.0)
 """Difference of headings from which on paths cross, radians; below, one actor follows the other."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SafeDistance:
+class SafeDistance(NamedTuple):
     """Parameters of the longitudinal safe distance of RSS.
 
     Source: Shalev-Shwartz, Shammah, Shashua, "On a formal model of safe and scalable self-driving
@@ -91,56 +92,61 @@ class Proximity:
     post_encroachment_actor: int
 
 
+class _Actors(NamedTuple):
+    """All actors of a trace, for the kernels.
+
+    Attributes:
+        states: (T, N, 9), columns ``Col``.
+        present: (T, N) flags.
+        sizes: (N, 2), columns ``SizeCol``.
+    """
+
+    states: FloatArray
+    present: BoolArray
+    sizes: FloatArray
+
+
+class _Series(NamedTuple):
+    """The series of ``Proximity``, which the scan fills actor by actor."""
+
+    time_to_collision: FloatArray
+    time_to_collision_actor: Int32Array
+    forward_time_to_collision: FloatArray
+    drac: FloatArray
+    required_deceleration: FloatArray
+    rss_violated: BoolArray
+
+
 def gaps_between(trace: Trace, first: int, second: int) -> FloatArray:
     """Returns the (T,) distance between two actors' boxes in metres, NaN if one is absent."""
-    return _gaps(
-        trace.states,
-        trace.present,
-        first,
-        second,
-        _sizes(trace),
-    )
+    return _gaps(_Actors(trace.states, trace.present, _sizes(trace)), first, second)
 
 
 def look_around(
     trace: Trace, row: int, start: int, stop: int, safe: SafeDistance | None = None
 ) -> Proximity:
     """Measures an ego's proximity to all actors in rows ``start`` to ``stop`` (exclusive)."""
-    safe = safe or SafeDistance()
     n = max(stop - start, 0)
-    sizes = _sizes(trace)
-    series = np.zeros((6, n))
-    series[:2] = np.inf
-    series[5] = -1.0
-    states = np.ascontiguousarray(trace.states)
-    present = np.ascontiguousarray(trace.present)
-    gap, gap_row, gap_actor = _scan(
-        states,
-        present,
-        sizes,
-        row,
-        start,
-        stop,
-        HORIZON,
-        BEHIND,
-        (safe.response_time, safe.acceleration, safe.own_braking, safe.other_braking),
-        series,
+    series = _Series(
+        time_to_collision=np.full(n, np.inf),
+        time_to_collision_actor=np.full(n, -1, dtype=np.int32),
+        forward_time_to_collision=np.full(n, np.inf),
+        drac=np.zeros(n),
+        required_deceleration=np.zeros(n),
+        rss_violated=np.zeros(n, dtype=np.bool_),
     )
+    actors = _Actors(
+        np.ascontiguousarray(trace.states), np.ascontiguousarray(trace.present), _sizes(trace)
+    )
+    gap, gap_row, gap_actor = _scan(actors, row, start, stop, safe or SafeDistance(), series)
     limit = round(ENCROACHMENT_HORIZON / trace.step_length)
     every = max(round(ENCROACHMENT_STEP / trace.step_length), 1)
-    lag, lag_row, lag_actor = _least_lag(
-        states, present, sizes, row, start, stop, every, limit, CROSSING_ANGLE, gap <= 0.0
-    )
+    lag, lag_row, lag_actor = _least_lag(actors, row, start, stop, every, limit, gap <= 0.0)
     return Proximity(
         min_gap=None if math.isinf(gap) else gap,
         min_gap_row=gap_row,
         min_gap_actor=gap_actor,
-        time_to_collision=series[0],
-        time_to_collision_actor=series[5].astype(np.int32),
-        forward_time_to_collision=series[1],
-        drac=series[2],
-        required_deceleration=series[3],
-        rss_violated=series[4] > 0.0,
+        **series._asdict(),
         post_encroachment_time=None if lag > limit else lag * trace.step_length,
         post_encroachment_row=lag_row - start if lag_row >= 0 else -1,
         post_encroachment_actor=lag_actor,
@@ -151,66 +157,61 @@ def _sizes(trace: Trace) -> FloatArray:
     return np.array([(actor.length, actor.width) for actor in trace.actors], dtype=np.float64)
 
 
-_Z = int(Col.Z)
 _ROUNDING = 1e-6
 """Metres, and m/s, by which quick checks are wider than the exact ones."""
 
 
 @compiled
-def _gaps(
-    states: FloatArray, present: BoolArray, first: int, second: int, sizes: FloatArray
-) -> FloatArray:
+def _gaps(actors: _Actors, first: int, second: int) -> FloatArray:
+    states, present, sizes = actors
     gaps = np.full(states.shape[0], np.nan)
     for t in range(states.shape[0]):
         if present[t, first] and present[t, second]:
             a, b = states[t, first], states[t, second]
             gaps[t] = box_gap(
-                b[0] - a[0], b[1] - a[1],
-                a[2], sizes[first, 0], sizes[first, 1],
-                b[2], sizes[second, 0], sizes[second, 1],
+                b[Col.X] - a[Col.X], b[Col.Y] - a[Col.Y],
+                a[Col.YAW], sizes[first, SizeCol.LENGTH], sizes[first, SizeCol.WIDTH],
+                b[Col.YAW], sizes[second, SizeCol.LENGTH], sizes[second, SizeCol.WIDTH],
             )  # fmt: skip
     return gaps
 
 
 @compiled
 def _scan(
-    states: FloatArray,
-    present: BoolArray,
-    sizes: FloatArray,
-    row: int,
-    start: int,
-    stop: int,
-    horizon: float,
-    behind: float,
-    safe: tuple[float, float, float, float],
-    series: FloatArray,
+    actors: _Actors, row: int, start: int, stop: int, safe: SafeDistance, series: _Series
 ) -> tuple[float, int, int]:
-    """Fills ``series`` (6, n) and returns the least gap, its judged row, and its actor."""
-    actors = states.shape[1]
-    length, width = sizes[row, 0], sizes[row, 1]
+    """Fills ``series`` and returns the least gap, its judged row, and its actor."""
+    states, present, sizes = actors
+    length, width = sizes[row, SizeCol.LENGTH], sizes[row, SizeCol.WIDTH]
     radius = 0.5 * math.hypot(length, width)
     least, least_row, least_actor = math.inf, -1, -1
-    radii = 0.5 * np.hypot(sizes[:, 0], sizes[:, 1])
+    radii = 0.5 * np.hypot(sizes[:, SizeCol.LENGTH], sizes[:, SizeCol.WIDTH])
     for t in range(start, stop):
         if not present[t, row]:
             continue
         k = t - start
         ego = states[t, row]
-        x, y, yaw, vx, vy = ego[0], ego[1], ego[2], ego[3], ego[4]
+        x, y, yaw, vx, vy = ego[Col.X], ego[Col.Y], ego[Col.YAW], ego[Col.VX], ego[Col.VY]
         cos, sin = math.cos(yaw), math.sin(yaw)
         forward = vx * cos + vy * sin
-        for j in range(actors):
+        for j in range(states.shape[1]):
             if j == row or not present[t, j]:
                 continue
             other = states[t, j]
-            if abs(other[_Z] - ego[_Z]) > LEVEL_GAP:
+            if abs(other[Col.Z] - ego[Col.Z]) > LEVEL_GAP:
                 continue
-            dx, dy = other[0] - x, other[1] - y
-            dvx, dvy = other[3] - vx, other[4] - vy
-            # Not more than the distance, and not less than the closing speed: most actors are too
-            # far away for both, whose computation takes longer.
+            other_length, other_width = sizes[j, SizeCol.LENGTH], sizes[j, SizeCol.WIDTH]
+            dx, dy = other[Col.X] - x, other[Col.Y] - y
+            dvx, dvy = other[Col.VX] - vx, other[Col.VY] - vy
+            # Bounds instead of the exact values, which take longer and change nothing for most
+            # actors. A box is within the circle around it, so the gap of two boxes is at least that
+            # of their circles, and no contact is sooner than the circles' at the relative speed.
+            # The larger coordinate is at most the distance, and the sum of both at least the speed.
+            # A contact later than the forward one changes neither time: the forward one is that of
+            # fewer actors, and so the later of the two.
             away = max(abs(dx), abs(dy)) - radius - radii[j] - _ROUNDING
-            in_time = (abs(dvx) + abs(dvy) + _ROUNDING) * min(horizon, series[1, k])
+            latest = min(HORIZON, series.forward_time_to_collision[k])
+            in_time = (abs(dvx) + abs(dvy) + _ROUNDING) * latest
             clear = soonest = math.inf
             if away < least or away <= in_time:
                 clear = math.hypot(dx, dy) - radius - radii[j]
@@ -218,31 +219,37 @@ def _scan(
                 if closing > 1e-9:
                     soonest = clear / closing
             if clear < least:
-                gap = box_gap(dx, dy, yaw, length, width, other[2], sizes[j, 0], sizes[j, 1])
+                gap = box_gap(dx, dy, yaw, length, width, other[Col.YAW], other_length, other_width)
                 if gap < least:
                     least, least_row, least_actor = gap, k, j
-            if clear <= 0.0 or soonest < min(horizon, series[1, k]):
+            if clear <= 0.0 or soonest < latest:
                 time = time_to_contact(
-                    dx, dy, dvx, dvy, yaw, length, width, other[2], sizes[j, 0], sizes[j, 1]
+                    dx, dy, dvx, dvy, yaw, length, width, other[Col.YAW], other_length, other_width
                 )
-                if time <= horizon:
-                    if time < series[0, k]:
-                        series[0, k], series[5, k] = time, j
+                if time <= HORIZON:
+                    if time < series.time_to_collision[k]:
+                        series.time_to_collision[k] = time
+                        series.time_to_collision_actor[k] = j
                     bearing = abs(math.atan2(-dx * sin + dy * cos, dx * cos + dy * sin))
-                    if bearing < behind:
-                        series[1, k] = min(series[1, k], time)
+                    if bearing < BEHIND:
+                        series.forward_time_to_collision[k] = min(
+                            series.forward_time_to_collision[k], time
+                        )
             ahead = dx * cos + dy * sin
             if ahead > 0.0 and forward > 0.0:
+                # In the ego's strip if half their extents across its heading together reach further
+                # than their centres are apart. At any angle that of the other is at most half its
+                # length and width: for most actors no angle is needed.
                 across = abs(-dx * sin + dy * cos)
-                if across >= 0.5 * (width + sizes[j, 0] + sizes[j, 1]) + _ROUNDING:
+                if across >= 0.5 * (width + other_length + other_width) + _ROUNDING:
                     continue
-                c = abs(math.cos(other[2] - yaw))
-                s = abs(math.sin(other[2] - yaw))
-                if across >= 0.5 * (width + sizes[j, 0] * s + sizes[j, 1] * c):
+                c = abs(math.cos(other[Col.YAW] - yaw))
+                s = abs(math.sin(other[Col.YAW] - yaw))
+                if across >= 0.5 * (width + other_length * s + other_width * c):
                     continue
-                room = ahead - 0.5 * (length + sizes[j, 0] * c + sizes[j, 1] * s)
-                lead = max(other[3] * cos + other[4] * sin, 0.0)
-                braking = max(-(other[5] * cos + other[6] * sin), 0.0)
+                room = ahead - 0.5 * (length + other_length * c + other_width * s)
+                lead = max(other[Col.VX] * cos + other[Col.VY] * sin, 0.0)
+                braking = max(-(other[Col.AX] * cos + other[Col.AY] * sin), 0.0)
                 _keep_distance(k, room, forward, lead, braking, safe, series)
     return least, least_row, least_actor
 
@@ -254,8 +261,8 @@ def _keep_distance(
     speed: float,
     lead: float,
     lead_braking: float,
-    safe: tuple[float, float, float, float],
-    series: FloatArray,
+    safe: SafeDistance,
+    series: _Series,
 ) -> None:
     """Updates DRAC, required deceleration and the safe-distance flag of row ``k``.
 
@@ -266,32 +273,37 @@ def _keep_distance(
         lead: Speed of the actor ahead along that heading, m/s; an oncoming actor counts as
             standing.
         lead_braking: Deceleration of the actor ahead, m/s², not negative.
-        safe: ``SafeDistance`` as numbers.
-        series: (6, n) rows 2, 3 and 4 are changed in place.
+        safe: Parameters of the safe distance.
+        series: Changed in place.
     """
     room = max(room, 0.0)
     closing = speed - lead
+    # DRAC, deceleration rate to avoid a crash (Almqvist, Hydén and Risser 1991): braking at a takes
+    # closing² / 2a metres to remove the closing speed, of an actor ahead that keeps its speed.
     drac = _ratio(closing**2, 2.0 * room) if closing > 0.0 else 0.0
-    series[2, k] = max(series[2, k], drac)
+    series.drac[k] = max(series.drac[k], drac)
     required = drac
     if lead_braking > 0.0 and lead > 0.0:
-        # As fast as the actor ahead after 2 room / closing: if that is before it stands, match its
-        # braking and remove the closing speed; else stop behind its stopping place.
+        # In the frame of an actor ahead that brakes at b, braking at a removes the closing speed at
+        # a - b, so that a = b + drac, in 2 room / closing seconds. This holds if the actor ahead,
+        # which stands after lead / b seconds, still moves then. Otherwise the ego has to stop
+        # behind the place where it stands: within room + lead² / 2b metres.
         if closing > 0.0 and 2.0 * room * lead_braking <= closing * lead:
             required = drac + lead_braking
         else:
             required = _ratio(speed**2, 2.0 * room + lead**2 / lead_braking)
-    series[3, k] = max(series[3, k], required)
-    response, acceleration, own, other = safe
-    reached = speed + response * acceleration
+    series.required_deceleration[k] = max(series.required_deceleration[k], required)
+    # RSS, definition 1: the worst case in which the ego gains speed for the response time and then
+    # brakes weakly, while the actor ahead brakes strongly at once.
+    reached = speed + safe.response_time * safe.acceleration
     needed_room = (
-        speed * response
-        + 0.5 * acceleration * response**2
-        + reached**2 / (2.0 * own)
-        - lead**2 / (2.0 * other)
+        speed * safe.response_time
+        + 0.5 * safe.acceleration * safe.response_time**2
+        + reached**2 / (2.0 * safe.own_braking)
+        - lead**2 / (2.0 * safe.other_braking)
     )
     if room < needed_room:
-        series[4, k] = 1.0
+        series.rss_violated[k] = True
 
 
 @compiled
@@ -301,36 +313,40 @@ def _ratio(value: float, by: float) -> float:
 
 @compiled
 def _least_lag(
-    states: FloatArray,
-    present: BoolArray,
-    sizes: FloatArray,
-    row: int,
-    start: int,
-    stop: int,
-    every: int,
-    limit: int,
-    crossing: float,
-    touched: bool,
+    actors: _Actors, row: int, start: int, stop: int, every: int, limit: int, touched: bool
 ) -> tuple[int, int, int]:
     """Finds the least number of steps between two boxes being at the same place on crossing paths.
 
-    For every place of the ego, searches along the other's path; if the other is far, the search
-    skips the least number of steps in which it can come near, and places of the ego that it cannot
-    reach either.
+    This is the post-encroachment time (Allen, Shin and Cooper 1978) without a given conflict area:
+    the place is any where the ego's box at one row overlaps the other's box at another row. For
+    every place of the ego, the rows of the other are searched forwards and backwards, since either
+    may have been there first.
+
+    Args:
+        actors: All actors.
+        row: The ego.
+        start: First row.
+        stop: Row behind the last.
+        every: Rows from one place of the ego to the next that is compared.
+        limit: Largest number of steps.
+        touched: Whether boxes touch, so that the least number is 0.
 
     Returns:
         The steps, ``limit + 1`` if there is no such place; the ego's row there; and the other
         actor. Both are -1 if there is none, and if ``touched``.
     """
+    states, present, sizes = actors
     best = 0 if touched else limit + 1
     best_row, best_actor = -1, -1
+    # No actor gets further in a step than its stride, so that it needs at least gap / stride steps
+    # to close a gap. All that follows from this bound is skipped: most actors are never near.
     strides = _longest_steps(states, present, start, stop)
+    length, width = sizes[row, SizeCol.LENGTH], sizes[row, SizeCol.WIDTH]
     for j in range(states.shape[1]):
         if j == row or best == 0:
             continue
-        reach = 0.5 * (
-            math.hypot(sizes[row, 0], sizes[row, 1]) + math.hypot(sizes[j, 0], sizes[j, 1])
-        )
+        other_length, other_width = sizes[j, SizeCol.LENGTH], sizes[j, SizeCol.WIDTH]
+        reach = 0.5 * (math.hypot(length, width) + math.hypot(other_length, other_width))
         stride = strides[j]
         following = start
         while following < stop:
@@ -338,17 +354,18 @@ def _least_lag(
             following += every
             if present[t, row] and present[t, j]:
                 room = (
-                    math.hypot(states[t, j, 0] - states[t, row, 0],
-                               states[t, j, 1] - states[t, row, 1])
+                    math.hypot(states[t, j, Col.X] - states[t, row, Col.X],
+                               states[t, j, Col.Y] - states[t, row, Col.Y])
                     - reach - stride * best - _ROUNDING
                 )  # fmt: skip
                 if room >= 0.0:
-                    # Neither at this place nor at those that the ego is at before they have closed
-                    # the room between them.
+                    # In fewer than the best number of steps the other reaches neither this place
+                    # nor those that the ego is at before they have closed the room between them.
                     following += every * int(room / ((strides[row] + stride) * every))
                     continue
             for direction in (1, -1):
                 lag = 0
+                # Only fewer steps than the best improve it: each find makes the search shorter.
                 while lag < best:
                     u = t + direction * lag
                     if u < start or u >= stop:
@@ -357,19 +374,19 @@ def _least_lag(
                         lag += 1
                         continue
                     ego, other = states[t, row], states[u, j]
-                    dx, dy = other[0] - ego[0], other[1] - ego[1]
+                    dx, dy = other[Col.X] - ego[Col.X], other[Col.Y] - ego[Col.Y]
                     away = math.hypot(dx, dy) - reach
                     if away > 0.0:
                         if stride * (best - lag) <= away:
                             break
                         lag += max(1, int(away / stride))
                         continue
-                    turn = wrap_to_pi(other[2] - ego[2])
-                    level = abs(other[_Z] - ego[_Z]) <= LEVEL_GAP
-                    if level and abs(turn) >= crossing and (
+                    turn = wrap_to_pi(other[Col.YAW] - ego[Col.YAW])
+                    level = abs(other[Col.Z] - ego[Col.Z]) <= LEVEL_GAP
+                    if level and abs(turn) >= CROSSING_ANGLE and (
                         overlap_depth(
-                            dx, dy, ego[2], sizes[row, 0], sizes[row, 1],
-                            other[2], sizes[j, 0], sizes[j, 1],
+                            dx, dy, ego[Col.YAW], length, width,
+                            other[Col.YAW], other_length, other_width,
                         ) > 0.0
                     ):  # fmt: skip
                         best, best_row, best_actor = lag, t, j
@@ -380,7 +397,10 @@ def _least_lag(
 
 @compiled
 def _longest_steps(states: FloatArray, present: BoolArray, start: int, stop: int) -> FloatArray:
-    """Returns the (N,) longest step of each actor between two rows, metres; at least 1e-6."""
+    """Returns the (N,) longest step of each actor between two rows, metres; at least 1e-6.
+
+    A break in its presence counts as one step: too long is a bound, too, and slower only.
+    """
     longest = np.full(states.shape[1], 1e-6)
     last = np.full(states.shape[1], -1)
     for t in range(start, stop):
@@ -388,8 +408,8 @@ def _longest_steps(states: FloatArray, present: BoolArray, start: int, stop: int
             if not present[t, j]:
                 continue
             if last[j] >= 0:
-                dx = states[t, j, 0] - states[last[j], j, 0]
-                dy = states[t, j, 1] - states[last[j], j, 1]
+                dx = states[t, j, Col.X] - states[last[j], j, Col.X]
+                dy = states[t, j, Col.Y] - states[last[j], j, Col.Y]
                 # The exact length takes longer; it is needed where it may be the longest.
                 if dx * dx + dy * dy > (1.0 - 1e-9) * longest[j] * longest[j]:
                     longest[j] = max(longest[j], math.hypot(dx, dy))
