@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,14 +11,31 @@ from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.observations.ground import vehicle_friction
+from drivora_service.observations.trace import Col, SizeCol
 from drivora_service.oracles.avoidability.careful_driver import CarefulDriver
-from drivora_service.oracles.avoidability.replayed_contact import Replay
+from drivora_service.oracles.avoidability.replayed_contact import DrivenCol, Replay
 
 _LEAST_SHARE = 0.2
 """Share of the grip that is left in bends for braking (as in the ego's dynamics)."""
 
 WAIT = 2.0
 """Seconds after the ego's standstill in which collisions with others count."""
+
+
+class _Braking(NamedTuple):
+    """A way of braking.
+
+    Attributes:
+        delay: Seconds until deceleration begins; until then the ego drives as recorded.
+        full: The full deceleration, m/s².
+        grip: Highest friction of the road times gravity, m/s².
+        jerk: m/s³ with which the deceleration grows; inf: it is full at once.
+    """
+
+    delay: float
+    full: float
+    grip: float
+    jerk: float
 
 
 def latest_braking(
@@ -44,23 +62,7 @@ def brakes_clear(
     replay: Replay, row: int, *, delay: float, full: float, grip: float, jerk: float
 ) -> bool:
     """Returns whether braking from ``row`` on avoids all actors; see ``latest_braking``."""
-    clear: bool = _brakes_clear(
-        row,
-        replay.step,
-        (delay, full, grip, jerk, replay.wheelbase),
-        replay.contact,
-        replay.length,
-        replay.width,
-        replay.path,
-        replay.speed,
-        replay.others,
-        replay.present,
-        replay.sizes,
-        replay.walks,
-        replay.road,
-        replay.patches,
-    )
-    return clear
+    return _brakes_clear(replay, row, _Braking(delay=delay, full=full, grip=grip, jerk=jerk))
 
 
 def careful_braking(replay: Replay, driver: CarefulDriver, grip: float, brakes: float) -> int:
@@ -89,17 +91,7 @@ def instant_braking(replay: Replay, grip: float, brakes: float, earliest: int) -
 
 @compiled
 def meets(
-    x: float,
-    y: float,
-    yaw: float,
-    length: float,
-    width: float,
-    spared: bool,
-    poses: FloatArray,
-    there: BoolArray,
-    sizes: FloatArray,
-    walks: BoolArray,
-    followed: BoolArray,
+    replay: Replay, row: int, x: float, y: float, yaw: float, spared: bool, followed: BoolArray
 ) -> bool:
     """Returns whether the ego's box overlaps the box of an actor that counts.
 
@@ -107,20 +99,31 @@ def meets(
     do not: they were recorded behind an ego that drove on, and do not brake for this one. They are
     marked in ``followed``, and ignored from then on. Walkers do not count where the ego stands and
     their motion is no longer recorded: they do not walk into it.
+
+    Args:
+        replay: The collision.
+        row: Row of the replay.
+        x, y, yaw: Pose of the ego there.
+        spared: Whether walkers do not count.
+        followed: (M,) flags of the others that approached from behind; changed in place.
     """
+    length, width = replay.length, replay.width
     radius = 0.5 * math.hypot(length, width)
-    for m in range(poses.shape[0]):
-        if not there[m] or followed[m] or (spared and walks[m]):
+    for m in range(replay.others.shape[1]):
+        if not replay.present[row, m] or followed[m] or (spared and replay.walks[m]):
             continue
-        dx, dy = poses[m, 0] - x, poses[m, 1] - y
-        if math.hypot(dx, dy) > radius + 0.5 * math.hypot(sizes[m, 0], sizes[m, 1]):
+        other = replay.others[row, m]
+        other_length = replay.sizes[m, SizeCol.LENGTH]
+        other_width = replay.sizes[m, SizeCol.WIDTH]
+        dx, dy = other[Col.X] - x, other[Col.Y] - y
+        if math.hypot(dx, dy) > radius + 0.5 * math.hypot(other_length, other_width):
             continue
-        depth = overlap_depth(dx, dy, yaw, length, width, poses[m, 2], sizes[m, 0], sizes[m, 1])
+        depth = overlap_depth(dx, dy, yaw, length, width, other[Col.YAW], other_length, other_width)
         if depth <= 0.0:
             continue
         if m > 0:
             behind = dx * math.cos(yaw) + dy * math.sin(yaw) < -0.5 * length
-            if behind and math.cos(poses[m, 2] - yaw) > 0.0:
+            if behind and math.cos(other[Col.YAW] - yaw) > 0.0:
                 followed[m] = True
                 continue
         return True
@@ -131,9 +134,9 @@ def meets(
 def place_on(path: FloatArray, arc: float, near: int) -> int:
     """Returns the index of the path's segment that contains ``arc``, searched from ``near`` on."""
     i = int(min(max(near, 0), path.shape[0] - 2))
-    while i > 0 and path[i, 0] > arc:
+    while i > 0 and path[i, DrivenCol.ARC] > arc:
         i -= 1
-    while i < path.shape[0] - 2 and path[i + 1, 0] <= arc:
+    while i < path.shape[0] - 2 and path[i + 1, DrivenCol.ARC] <= arc:
         i += 1
     return i
 
@@ -141,48 +144,39 @@ def place_on(path: FloatArray, arc: float, near: int) -> int:
 @compiled
 def pose_on(path: FloatArray, arc: float, i: int) -> tuple[float, float, float]:
     """Returns x, y and heading at ``arc``, which lies on the path's segment ``i``."""
-    span = path[i + 1, 0] - path[i, 0]
-    share = (arc - path[i, 0]) / span if span > 1e-9 else 1.0
+    begin, end = path[i], path[i + 1]
+    span = end[DrivenCol.ARC] - begin[DrivenCol.ARC]
+    share = (arc - begin[DrivenCol.ARC]) / span if span > 1e-9 else 1.0
     share = min(max(share, 0.0), 1.0)
     return (
-        path[i, 1] + share * (path[i + 1, 1] - path[i, 1]),
-        path[i, 2] + share * (path[i + 1, 2] - path[i, 2]),
-        path[i, 3] + share * (path[i + 1, 3] - path[i, 3]),
+        begin[DrivenCol.X] + share * (end[DrivenCol.X] - begin[DrivenCol.X]),
+        begin[DrivenCol.Y] + share * (end[DrivenCol.Y] - begin[DrivenCol.Y]),
+        begin[DrivenCol.YAW] + share * (end[DrivenCol.YAW] - begin[DrivenCol.YAW]),
     )
 
 
 @compiled
-def _brakes_clear(
-    row: int,
-    step: float,
-    limits: tuple[float, float, float, float, float],
-    contact: int,
-    length: float,
-    width: float,
-    path: FloatArray,
-    recorded: FloatArray,
-    others: FloatArray,
-    present: BoolArray,
-    sizes: FloatArray,
-    walks: BoolArray,
-    road: FloatArray,
-    patches: FloatArray,
-) -> bool:
-    delay, full, road_grip, jerk, wheelbase = limits
-    arc, speed = path[row, 0], recorded[row]
-    x, y, yaw = path[row, 1], path[row, 2], path[row, 3]
+def _brakes_clear(replay: Replay, row: int, how: _Braking) -> bool:
+    step, contact, path, recorded = replay.step, replay.contact, replay.path, replay.speed
+    arc, speed = path[row, DrivenCol.ARC], recorded[row]
+    x, y, yaw = path[row, DrivenCol.X], path[row, DrivenCol.Y], path[row, DrivenCol.YAW]
     i = row
     stood = 0.0
-    followed = np.zeros(sizes.shape[0], dtype=np.bool_)
-    for t in range(row, others.shape[0] - 1):
+    followed = np.zeros(replay.sizes.shape[0], dtype=np.bool_)
+    for t in range(row, replay.others.shape[0] - 1):
         # Time since the start at the end of this step. Braking may begin within the step.
-        since = (t + 1 - row) * step - delay
+        since = (t + 1 - row) * step - how.delay
         if since <= 1e-9 and t < contact:
-            arc, speed = path[t + 1, 0], recorded[t + 1]
+            arc, speed = path[t + 1, DrivenCol.ARC], recorded[t + 1]
         else:
-            wanted = full if jerk == math.inf else min(max(jerk * (since - 0.5 * step), 0.0), full)
-            grip = road_grip * vehicle_friction(x, y, 0.0, yaw, wheelbase, road[t], patches)
-            side = speed * speed * path[i, 4]
+            wanted = how.full
+            if how.jerk != math.inf:
+                wanted = min(max(how.jerk * (since - 0.5 * step), 0.0), how.full)
+            friction = vehicle_friction(
+                x, y, 0.0, yaw, replay.wheelbase, replay.road[t], replay.patches
+            )
+            grip = how.grip * friction
+            side = speed * speed * path[i, DrivenCol.CURVATURE]
             left = math.sqrt(max(grip * grip - side * side, (_LEAST_SHARE * grip) ** 2))
             braking = min(wanted, left)
             if t < contact:
@@ -193,10 +187,7 @@ def _brakes_clear(
         i = place_on(path, arc, i)
         x, y, yaw = pose_on(path, arc, i)
         standing = speed <= 0.0
-        if meets(
-            x, y, yaw, length, width, standing and t >= contact,
-            others[t + 1], present[t + 1], sizes, walks, followed,
-        ):  # fmt: skip
+        if meets(replay, t + 1, x, y, yaw, standing and t >= contact, followed):
             return False
         if standing:
             stood += step

@@ -8,17 +8,19 @@ for steering. The vehicle is a kinematic bicycle with a limited rate of the stee
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from drivora_service.compilation import compiled
-from drivora_service.geometry.array_shapes import BoolArray, FloatArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.drivable_area import near_area
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.ground import vehicle_friction
+from drivora_service.observations.trace import Col
 from drivora_service.oracles.avoidability.braking_evasion import WAIT, meets, place_on, pose_on
-from drivora_service.oracles.avoidability.replayed_contact import Replay
+from drivora_service.oracles.avoidability.replayed_contact import DrivenCol, Replay
 
 BRAKING_SHARES = (0.0, 0.5, 0.8, 0.95)
 """Shares of the grip used for braking while steering."""
@@ -34,6 +36,36 @@ OUTSIDE = 0.3
 
 _STRAIGHT_SHARE = 0.95
 """Share of the grip used for braking once the ego is back in direction; the rest steers."""
+
+
+class _Manoeuvre(NamedTuple):
+    """Braking and steering aside, then back.
+
+    Attributes:
+        braking: Share of the grip used for braking while steering.
+        side: 1 to the left, -1 to the right.
+        time: Seconds of steering aside before steering back.
+    """
+
+    braking: float
+    side: float
+    time: float
+
+
+class _Vehicle(NamedTuple):
+    """What limits the vehicle.
+
+    Attributes:
+        grip: Highest friction of the road times gravity, m/s².
+        brakes: Full deceleration, m/s².
+        wheelbase: Metres.
+        max_steer: Radians at the front wheels.
+    """
+
+    grip: float
+    brakes: float
+    wheelbase: float
+    max_steer: float
 
 
 def find_evasion(
@@ -59,71 +91,47 @@ def find_evasion(
         max_steer: Radians at the front wheels.
 
     Returns:
-        (n, 3) x, y and heading, one for each row after ``row``; ``None`` if no manoeuvre avoids all
-        actors.
+        (n, 3), columns ``Col`` up to ``YAW``, one for each row after ``row``; ``None`` if no
+        manoeuvre avoids all actors.
     """
-    poses = np.zeros((len(replay.others) - 1 - row, 3))
+    poses = np.zeros((len(replay.others) - 1 - row, Col.YAW + 1))
+    vehicle = _Vehicle(grip=grip, brakes=brakes, wheelbase=wheelbase, max_steer=max_steer)
     for share in BRAKING_SHARES:
         for side in (1.0, -1.0):
             for time in ASIDE_TIMES:
-                count = _evade(
-                    row,
-                    replay.step,
-                    (share, side, time, grip, brakes, wheelbase, max_steer),
-                    replay.contact,
-                    replay.length,
-                    replay.width,
-                    replay.path,
-                    float(replay.speed[row]),
-                    replay.others,
-                    replay.present,
-                    replay.sizes,
-                    replay.walks,
-                    replay.road,
-                    replay.patches,
-                    poses,
-                )
+                manoeuvre = _Manoeuvre(braking=share, side=side, time=time)
+                count = _evade(replay, row, vehicle, manoeuvre, poses)
                 if count > 0 and _on_road(network, poses[:count], replay):
                     return poses[:count]
     return None
 
 
 def _on_road(network: RoadNetwork, poses: FloatArray, replay: Replay) -> bool:
-    corners = box_corners(poses[:, 0], poses[:, 1], poses[:, 2], replay.length, replay.width)
+    x, y, yaw = poses.T
+    corners = box_corners(x, y, yaw, replay.length, replay.width)
     return bool(near_area(network, corners.reshape(-1, 2), OUTSIDE).all())
 
 
 @compiled
 def _evade(
-    row: int,
-    step: float,
-    manoeuvre: tuple[float, float, float, float, float, float, float],
-    contact: int,
-    length: float,
-    width: float,
-    path: FloatArray,
-    speed: float,
-    others: FloatArray,
-    present: BoolArray,
-    sizes: FloatArray,
-    walks: BoolArray,
-    road: FloatArray,
-    patches: FloatArray,
-    poses: FloatArray,
+    replay: Replay, row: int, vehicle: _Vehicle, manoeuvre: _Manoeuvre, poses: FloatArray
 ) -> int:
     """Fills the poses of one manoeuvre; returns their number, 0 if it touches an actor."""
-    share, side, aside, road_grip, brakes, wheelbase, max_steer = manoeuvre
-    x, y, yaw = path[row, 1], path[row, 2], path[row, 3]
-    arc, i = path[row, 0], row
-    steer = math.atan(path[row, 4] * wheelbase)
-    followed = np.zeros(sizes.shape[0], dtype=np.bool_)
+    step, contact, path = replay.step, replay.contact, replay.path
+    wheelbase, side = vehicle.wheelbase, manoeuvre.side
+    x, y, yaw = path[row, DrivenCol.X], path[row, DrivenCol.Y], path[row, DrivenCol.YAW]
+    arc, speed, i = path[row, DrivenCol.ARC], replay.speed[row], row
+    steer = math.atan(path[row, DrivenCol.CURVATURE] * wheelbase)
+    followed = np.zeros(replay.sizes.shape[0], dtype=np.bool_)
     stood = 0.0
     turn_back = False
     straight = False
     count = len(poses)
     for t in range(count):
-        grip = road_grip * vehicle_friction(x, y, 0.0, yaw, wheelbase, road[row + t], patches)
-        braking = min((_STRAIGHT_SHARE if straight else share) * grip, brakes)
+        friction = vehicle_friction(x, y, 0.0, yaw, wheelbase, replay.road[row + t], replay.patches)
+        grip = vehicle.grip * friction
+        share = _STRAIGHT_SHARE if straight else manoeuvre.braking
+        braking = min(share * grip, vehicle.brakes)
         slower = max(speed - braking * step, 0.0)
         mean = 0.5 * (speed + slower)
         speed = slower
@@ -131,11 +139,11 @@ def _evade(
         i = place_on(path, arc, i)
         heading = pose_on(path, arc, i)[2]
         turned = side * (yaw - heading)
-        if t * step >= aside:
+        if t * step >= manoeuvre.time:
             turn_back = True
         free = math.sqrt(max(grip * grip - braking * braking, 0.0))
         most = math.atan(wheelbase * free / max(mean * mean, 0.25))
-        most = min(most, max_steer)
+        most = min(most, vehicle.max_steer)
         wanted = side * most
         if turn_back and not straight:
             # The change of heading until the steering is back in the middle.
@@ -143,8 +151,9 @@ def _evade(
             wanted = -wanted
             straight = turned <= (unwound if steer * side < 0.0 else 0.0)
         if straight:
-            braking = min(_STRAIGHT_SHARE * grip, brakes)
-            most = min(math.atan(wheelbase * 0.3 * grip / max(mean * mean, 0.25)), max_steer)
+            braking = min(_STRAIGHT_SHARE * grip, vehicle.brakes)
+            most = math.atan(wheelbase * 0.3 * grip / max(mean * mean, 0.25))
+            most = min(most, vehicle.max_steer)
             wanted = min(max((heading - yaw) * wheelbase / max(mean * 0.3, 0.1), -most), most)
         steer += min(max(wanted - steer, -STEER_RATE * step), STEER_RATE * step)
         rate = mean * math.tan(steer) / wheelbase
@@ -154,12 +163,9 @@ def _evade(
         x += mean * math.cos(yaw + slip + 0.5 * rate * step) * step
         y += mean * math.sin(yaw + slip + 0.5 * rate * step) * step
         yaw += rate * step
-        poses[t] = x, y, yaw
+        poses[t, Col.X], poses[t, Col.Y], poses[t, Col.YAW] = x, y, yaw
         at = row + t + 1
-        if meets(
-            x, y, yaw, length, width, speed <= 0.0 and at > contact,
-            others[at], present[at], sizes, walks, followed,
-        ):  # fmt: skip
+        if meets(replay, at, x, y, yaw, speed <= 0.0 and at > contact, followed):
             return 0
         if speed <= 0.0:
             stood += step

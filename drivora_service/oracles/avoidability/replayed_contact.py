@@ -8,7 +8,8 @@ ego's way continue along the ego's heading.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,8 +40,20 @@ _SMOOTHING = 0.3
 """Seconds over which the braking of others is measured."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Replay:
+class DrivenCol(IntEnum):
+    """Columns of ``Replay.path``."""
+
+    ARC = 0
+    """Arc length, metres."""
+    X = 1
+    Y = 2
+    YAW = 3
+    """Continuous, without jumps by full turns, so that it can be interpolated."""
+    CURVATURE = 4
+    """1/m, not negative."""
+
+
+class Replay(NamedTuple):
     """The rows of a trace around a collision: R rows, P points of the path, M others.
 
     Row ``i`` here is row ``first + i`` of the trace; the contact is in row ``contact``; rows after
@@ -52,12 +65,12 @@ class Replay:
         contact: Row of the replay at the contact.
         length: Of the ego, metres.
         width: Of the ego, metres.
-        path: (P, 5) arc length, x, y, heading (continuous) and curvature (1/m) of the ego's path:
-            its recorded positions up to the contact, and one point straight ahead.
+        path: (P, 5) the ego's path, columns ``DrivenCol``: its recorded positions up to the
+            contact, and one point straight ahead.
         speed: (contact + 1,) m/s over ground of the ego.
-        others: (R, M, 3) x, y and heading; NaN where absent.
+        others: (R, M, 3), columns ``Col`` up to ``YAW``; NaN where absent.
         present: (R, M) flags.
-        sizes: (M, 2) length and width, metres.
+        sizes: (M, 2), columns ``SizeCol``.
         walks: (M,) flags of walkers.
         rows: (M,) rows of the others in the trace.
         friction: Highest friction coefficient of the road in these rows; NaN if not recorded.
@@ -147,20 +160,20 @@ def _near(trace: Trace, ego: EgoView, k: int, counterpart: int) -> list[int]:
 
 def _path(states: FloatArray) -> FloatArray:
     """Returns the (P, 5) path through (n, 9) states."""
-    path = np.zeros((len(states) + 1, 5))
-    path[:-1, 0] = arc_lengths(states[:, [Col.X, Col.Y]])
-    path[:-1, 1:3] = states[:, [Col.X, Col.Y]]
-    path[:-1, 3] = np.unwrap(states[:, Col.YAW])
-    end = path[-2]
-    path[-1] = end[0] + _ONWARDS, *_beyond(end), end[3], 0.0
+    path = np.zeros((len(states) + 1, len(DrivenCol)))
+    driven, end, beyond = path[:-1], path[-2], path[-1]
+    driven[:, DrivenCol.ARC] = arc_lengths(states[:, [Col.X, Col.Y]])
+    driven[:, [DrivenCol.X, DrivenCol.Y]] = states[:, [Col.X, Col.Y]]
+    driven[:, DrivenCol.YAW] = np.unwrap(states[:, Col.YAW])
+    yaw = end[DrivenCol.YAW]
+    beyond[DrivenCol.ARC] = end[DrivenCol.ARC] + _ONWARDS
+    beyond[DrivenCol.X] = end[DrivenCol.X] + _ONWARDS * math.cos(yaw)
+    beyond[DrivenCol.Y] = end[DrivenCol.Y] + _ONWARDS * math.sin(yaw)
+    beyond[DrivenCol.YAW] = yaw
     speed = np.hypot(states[:, Col.VX], states[:, Col.VY])
     turning = np.abs(states[:, Col.YAW_RATE])
-    path[:-1, 4] = np.where(speed > 1.0, turning / np.maximum(speed, 1.0), 0.0)
+    driven[:, DrivenCol.CURVATURE] = np.where(speed > 1.0, turning / np.maximum(speed, 1.0), 0.0)
     return path
-
-
-def _beyond(end: FloatArray) -> tuple[float, float]:
-    return end[1] + _ONWARDS * math.cos(end[3]), end[2] + _ONWARDS * math.sin(end[3])
 
 
 def _motion(
@@ -168,10 +181,10 @@ def _motion(
 ) -> tuple[FloatArray, BoolArray]:
     """Returns (R, M, 3) poses and (R, M) presence of the others, extrapolated after the record."""
     count = contact + after + 1
-    others = np.full((count, len(rows), 3), np.nan)
+    others = np.full((count, len(rows), Col.YAW + 1), np.nan)
     present = np.zeros((count, len(rows)), dtype=np.bool_)
     kept = min(trace.step_count - first, count)
-    others[:kept] = trace.states[first : first + kept][:, rows, :3]
+    others[:kept] = trace.states[first : first + kept][:, rows, : Col.YAW + 1]
     present[:kept] = trace.present[first : first + kept][:, rows]
     for m, row in enumerate(rows):
         last = contact if m == 0 else kept - 1
@@ -201,6 +214,6 @@ def _carry_on(
     if braking > 0.0:
         times = np.minimum(times, speed / braking)
     distance = speed * times - 0.5 * braking * times**2
-    poses[last + 1 :, 0] = state[Col.X] + distance * math.cos(way)
-    poses[last + 1 :, 1] = state[Col.Y] + distance * math.sin(way)
-    poses[last + 1 :, 2] = yaw
+    poses[last + 1 :, Col.X] = state[Col.X] + distance * math.cos(way)
+    poses[last + 1 :, Col.Y] = state[Col.Y] + distance * math.sin(way)
+    poses[last + 1 :, Col.YAW] = yaw

@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import StrEnum
+from enum import IntEnum, StrEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,10 +23,10 @@ from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.geometry.kernels import wrap_to_pi
 from drivora_service.observations.sight import is_hidden
-from drivora_service.observations.trace import Col, Trace
+from drivora_service.observations.trace import Col, SizeCol, Trace
 from drivora_service.oracles.avoidability.braking_evasion import place_on, pose_on
 from drivora_service.oracles.avoidability.careful_driver import CarefulDriver
-from drivora_service.oracles.avoidability.replayed_contact import SAME_WAY, Replay
+from drivora_service.oracles.avoidability.replayed_contact import SAME_WAY, DrivenCol, Replay
 
 _THINK_STEP = 0.1
 """Interval of the checks whether two actors will have met, seconds."""
@@ -49,6 +50,52 @@ class Risk(StrEnum):
     """The other moved sideways out of its lane, towards the ego's path."""
     LEADER_BRAKING = "leader_braking"
     """The vehicle in front braked hard."""
+
+
+class _CourseCol(IntEnum):
+    """Columns of the course of an actor."""
+
+    SPEED = 0
+    """m/s."""
+    DIRECTION = 1
+    """Of its motion; its heading where it stands."""
+    TURN_RATE = 2
+    """rad/s."""
+    DECELERATION = 3
+    """m/s²."""
+
+
+_COURSE_COLUMNS = len(_CourseCol)
+
+
+class _Beside(NamedTuple):
+    """Positions of an actor relative to the ego's path, (n,) each; NaN where it was absent.
+
+    Attributes:
+        along: Arc length of the nearest point of the path, metres.
+        across: Metres to the left of it.
+        turned: Radians from the direction of the path to its heading.
+    """
+
+    along: FloatArray
+    across: FloatArray
+    turned: FloatArray
+
+
+class _Horizon(NamedTuple):
+    """How far ahead the motion of both is predicted; see ``CarefulDriver``.
+
+    Attributes:
+        foresight: Seconds, at least.
+        margin: Factor on the braking time, if that is longer.
+        ready: Seconds of the braking time before the full deceleration.
+        full: The full deceleration, m/s².
+    """
+
+    foresight: float
+    margin: float
+    ready: float
+    full: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +148,7 @@ def perceive_risk(
         beside = _beside(replay.path, poses, there)
         # An actor that goes the ego's way is predicted to keep to its lane: it is no risk while it
         # wanders beside the ego, and one that comes over will not continue across the lane.
-        same_way = np.abs(beside[2]) < SAME_WAY
+        same_way = np.abs(beside.turned) < SAME_WAY
         closing = _flag_closing_in(replay, driver, grip, course, beside)
         kinds[Risk.MEETING] = np.where(same_way, closing, kinds[Risk.MEETING])
         kinds[Risk.LEADER_BRAKING] = _flag_leader_braking(replay, driver, course, beside)
@@ -158,11 +205,11 @@ def _flag_hidden(
 
 @compiled
 def _course(poses: FloatArray, present: BoolArray, step: float, back: int) -> FloatArray:
-    """Returns (n, 4) speed, direction, turn rate and deceleration of an actor.
+    """Returns the (n, 4) course of an actor, columns ``_CourseCol``.
 
     Measured over the ``back`` preceding rows; NaN where it was absent.
     """
-    course = np.full((poses.shape[0], 4), np.nan)
+    course = np.full((poses.shape[0], _COURSE_COLUMNS), np.nan)
     for t in range(poses.shape[0]):
         if not present[t]:
             continue
@@ -170,25 +217,24 @@ def _course(poses: FloatArray, present: BoolArray, step: float, back: int) -> Fl
         while begin > max(t - back, 0) and present[begin - 1]:
             begin -= 1
         course[t] = 0.0
-        course[t, 1] = poses[t, 2]
+        course[t, _CourseCol.DIRECTION] = poses[t, Col.YAW]
         if begin == t:
             continue
         span = (t - begin) * step
-        way_x, way_y = poses[t, 0] - poses[t - 1, 0], poses[t, 1] - poses[t - 1, 1]
+        way_x = poses[t, Col.X] - poses[t - 1, Col.X]
+        way_y = poses[t, Col.Y] - poses[t - 1, Col.Y]
         speed = math.hypot(way_x, way_y) / step
-        first_x, first_y = (
-            poses[begin + 1, 0] - poses[begin, 0],
-            poses[begin + 1, 1] - poses[begin, 1],
-        )
+        first_x = poses[begin + 1, Col.X] - poses[begin, Col.X]
+        first_y = poses[begin + 1, Col.Y] - poses[begin, Col.Y]
         first = math.hypot(first_x, first_y) / step
-        course[t, 0] = speed
+        course[t, _CourseCol.SPEED] = speed
         if speed > _STANDS:
-            course[t, 1] = math.atan2(way_y, way_x)
+            course[t, _CourseCol.DIRECTION] = math.atan2(way_y, way_x)
         if speed > _TURNS:
-            turn = wrap_to_pi(poses[t, 2] - poses[begin, 2])
-            course[t, 2] = turn / span
+            turn = wrap_to_pi(poses[t, Col.YAW] - poses[begin, Col.YAW])
+            course[t, _CourseCol.TURN_RATE] = turn / span
         if t - begin > 1:
-            course[t, 3] = (first - speed) / (span - step)
+            course[t, _CourseCol.DECELERATION] = (first - speed) / (span - step)
     return course
 
 
@@ -196,49 +242,36 @@ def _flag_meeting(
     replay: Replay, driver: CarefulDriver, grip: float, poses: FloatArray, course: FloatArray
 ) -> BoolArray:
     """Returns (contact,) whether both, continuing their motion, were about to meet."""
-    full = driver.full_braking(grip, math.inf)
-    ready = float(driver.time_for(0.0, grip))
-    meeting: BoolArray = _will_meet(
-        replay.contact,
-        (driver.foresight, driver.margin, ready, full),
-        replay.length,
-        replay.width,
-        replay.path,
-        replay.speed,
-        poses,
-        course,
-        replay.sizes[0],
+    horizon = _Horizon(
+        foresight=driver.foresight,
+        margin=driver.margin,
+        ready=float(driver.time_for(0.0, grip)),
+        full=driver.full_braking(grip, math.inf),
     )
-    return meeting
+    return _will_meet(replay, horizon, poses, course)
 
 
 @compiled
 def _will_meet(
-    rows: int,
-    horizon: tuple[float, float, float, float],
-    length: float,
-    width: float,
-    path: FloatArray,
-    speeds: FloatArray,
-    poses: FloatArray,
-    course: FloatArray,
-    size: FloatArray,
+    replay: Replay, horizon: _Horizon, poses: FloatArray, course: FloatArray
 ) -> BoolArray:
-    foresight, margin, ready, full = horizon
-    meeting = np.zeros(rows, dtype=np.bool_)
-    for t in range(rows):
-        if math.isnan(course[t, 0]):
+    path, speeds, size = replay.path, replay.speed, replay.sizes[0]
+    meeting = np.zeros(replay.contact, dtype=np.bool_)
+    for t in range(replay.contact):
+        speed = course[t, _CourseCol.SPEED]
+        if math.isnan(speed):
             continue
-        speed, way, turn = course[t, 0], course[t, 1], course[t, 2]
-        heading = path[t, 3]
+        way, turn = course[t, _CourseCol.DIRECTION], course[t, _CourseCol.TURN_RATE]
+        heading = path[t, DrivenCol.YAW]
         closing = math.hypot(
             speeds[t] * math.cos(heading) - speed * math.cos(way),
             speeds[t] * math.sin(heading) - speed * math.sin(way),
         )
-        ahead = max(foresight, margin * (ready + 0.5 * closing / full))
-        x, y, yaw = poses[t, 0], poses[t, 1], poses[t, 2]
+        braking_time = horizon.ready + 0.5 * closing / horizon.full
+        ahead = max(horizon.foresight, horizon.margin * braking_time)
+        x, y, yaw = poses[t, Col.X], poses[t, Col.Y], poses[t, Col.YAW]
         i = t
-        arc = path[t, 0]
+        arc = path[t, DrivenCol.ARC]
         for _ in range(int(ahead / _THINK_STEP)):
             arc += speeds[t] * _THINK_STEP
             i = place_on(path, arc, i)
@@ -249,26 +282,29 @@ def _will_meet(
             way += turn * _THINK_STEP
             yaw += turn * _THINK_STEP
             if (
-                overlap_depth(x - ego_x, y - ego_y, ego_yaw, length, width, yaw, size[0], size[1])
-                > 0.0
-            ):
+                overlap_depth(
+                    x - ego_x, y - ego_y, ego_yaw, replay.length, replay.width,
+                    yaw, size[SizeCol.LENGTH], size[SizeCol.WIDTH],
+                ) > 0.0
+            ):  # fmt: skip
                 meeting[t] = True
                 break
     return meeting
 
 
 def _flag_closing_in(
-    replay: Replay, driver: CarefulDriver, grip: float, course: FloatArray, beside: FloatArray
+    replay: Replay, driver: CarefulDriver, grip: float, course: FloatArray, beside: _Beside
 ) -> BoolArray:
     """Returns (contact,) whether both, on one path in one direction, were about to meet.
 
     Each keeps its speed and the path; the actor behind closes in on the actor in front.
     """
     along, across, turned = beside
-    ahead = along - replay.path[: replay.contact, 0]
-    room = np.abs(ahead) - 0.5 * (replay.length + replay.sizes[0, 0])
-    closing = np.sign(ahead) * (replay.speed[:-1] - course[:, 0] * elementary.cos(turned))
-    reach = 0.5 * (replay.width + replay.sizes[0, 1])
+    ahead = along - replay.path[: replay.contact, DrivenCol.ARC]
+    room = np.abs(ahead) - 0.5 * (replay.length + replay.sizes[0, SizeCol.LENGTH])
+    speed = course[:, _CourseCol.SPEED] * elementary.cos(turned)
+    closing = np.sign(ahead) * (replay.speed[:-1] - speed)
+    reach = 0.5 * (replay.width + replay.sizes[0, SizeCol.WIDTH])
     thought = np.maximum(
         driver.foresight, driver.margin * driver.time_for(np.maximum(closing, 0.0), grip)
     )
@@ -279,14 +315,15 @@ def _flag_closing_in(
 
 
 def _flag_leader_braking(
-    replay: Replay, driver: CarefulDriver, course: FloatArray, beside: FloatArray
+    replay: Replay, driver: CarefulDriver, course: FloatArray, beside: _Beside
 ) -> BoolArray:
     """Returns (contact,) whether the actor hit braked hard, in front and within the headway."""
     along, across, turned = beside
-    reach = 0.5 * (replay.width + replay.sizes[0, 1])
-    room = along - replay.path[: replay.contact, 0] - 0.5 * (replay.length + replay.sizes[0, 0])
+    reach = 0.5 * (replay.width + replay.sizes[0, SizeCol.WIDTH])
+    lengths = replay.length + replay.sizes[0, SizeCol.LENGTH]
+    room = along - replay.path[: replay.contact, DrivenCol.ARC] - 0.5 * lengths
     flags: BoolArray = (
-        (course[:, 3] > driver.leader_braking)
+        (course[:, _CourseCol.DECELERATION] > driver.leader_braking)
         & (np.abs(across) < reach)
         & (np.abs(turned) < SAME_WAY)
         & (room > 0.0)
@@ -295,15 +332,15 @@ def _flag_leader_braking(
     return flags
 
 
-def _flag_cutting_in(replay: Replay, driver: CarefulDriver, beside: FloatArray) -> BoolArray:
+def _flag_cutting_in(replay: Replay, driver: CarefulDriver, beside: _Beside) -> BoolArray:
     """Returns (contact,) whether the actor hit was on its way into the ego's path from beside it.
 
     It is from the row in which it has moved towards the path by more than the wander until it is in
     it.
     """
     flags = np.zeros(replay.contact, dtype=np.bool_)
-    away, turned = np.abs(beside[1]), np.abs(beside[2])
-    reach = 0.5 * (replay.width + replay.sizes[0, 1])
+    away, turned = np.abs(beside.across), np.abs(beside.turned)
+    reach = 0.5 * (replay.width + replay.sizes[0, SizeCol.WIDTH])
     entered = replay.contact
     while entered > 0 and away[entered - 1] < reach:
         entered -= 1
@@ -320,30 +357,31 @@ def _flag_cutting_in(replay: Replay, driver: CarefulDriver, beside: FloatArray) 
 
 
 @compiled
-def _beside(path: FloatArray, poses: FloatArray, present: BoolArray) -> FloatArray:
-    """Returns (3, n) positions of an actor: along the path, across it, and its angle to it.
-
-    Metres, metres to the left, radians; NaN where it was absent.
-    """
-    found = np.full((3, poses.shape[0]), np.nan)
+def _beside(path: FloatArray, poses: FloatArray, present: BoolArray) -> _Beside:
+    """Returns the positions of an actor relative to the nearest point of the path."""
+    count = poses.shape[0]
+    along, across = np.full(count, np.nan), np.full(count, np.nan)
+    turned = np.full(count, np.nan)
     for t in range(poses.shape[0]):
         if not present[t]:
             continue
         least = math.inf
         for i in range(path.shape[0] - 1):
-            way_x, way_y = path[i + 1, 1] - path[i, 1], path[i + 1, 2] - path[i, 2]
+            way_x = path[i + 1, DrivenCol.X] - path[i, DrivenCol.X]
+            way_y = path[i + 1, DrivenCol.Y] - path[i, DrivenCol.Y]
             squared = way_x * way_x + way_y * way_y
             if squared < 1e-9:
                 continue
-            x, y = poses[t, 0] - path[i, 1], poses[t, 1] - path[i, 2]
+            x = poses[t, Col.X] - path[i, DrivenCol.X]
+            y = poses[t, Col.Y] - path[i, DrivenCol.Y]
             share = min(max((x * way_x + y * way_y) / squared, 0.0), 1.0)
             off = (x - share * way_x) ** 2 + (y - share * way_y) ** 2
             if off >= least:
                 continue
             least = off
             piece = math.sqrt(squared)
-            turn = poses[t, 2] - math.atan2(way_y, way_x)
-            found[0, t] = path[i, 0] + share * piece
-            found[1, t] = (way_x * y - way_y * x) / piece
-            found[2, t] = wrap_to_pi(turn)
-    return found
+            turn = poses[t, Col.YAW] - math.atan2(way_y, way_x)
+            along[t] = path[i, DrivenCol.ARC] + share * piece
+            across[t] = (way_x * y - way_y * x) / piece
+            turned[t] = wrap_to_pi(turn)
+    return _Beside(along, across, turned)
