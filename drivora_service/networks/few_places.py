@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
 from drivora_service.geometry.array_shapes import FloatArray, Int32Array
-from drivora_service.networks.segment_index import CELL, SegmentIndex
+from drivora_service.networks.segment_index import CELL, LaneEnd, SegmentCol, SegmentIndex
 
 HEADING_WEIGHT = 3.0
 """Metres by which a lane at a right angle to the desired heading counts as further away."""
@@ -24,30 +26,56 @@ OVERSHOOT = 1.0
 """Metres beyond a lane's ends that count as on it: where two lanes meet at an angle, the
 outside of the bend is beyond both."""
 
-_Foot = tuple[float, int, float]
-"""Squared distance from a lane in square metres, segment, metres along it."""
+
+class LanePlaceCol(IntEnum):
+    """Columns of places on lanes."""
+
+    S = 0
+    """Arc length, metres."""
+    LATERAL = 1
+    """Metres from the centre line, positive to the left."""
+    HEADING = 2
+    """Of the lane, radians."""
+
+
+LANE_PLACE_COLUMNS = len(LanePlaceCol)
+
+
+class _Foot(NamedTuple):
+    """The point of a lane that is nearest to a place.
+
+    Attributes:
+        squared: Square of its distance, m².
+        segment: Number of its segment.
+        along: Metres along the segment.
+    """
+
+    squared: float
+    segment: int
+    along: float
 
 
 def lanes_near(
     index: SegmentIndex, x: float, y: float, radius: float
 ) -> tuple[Int32Array, FloatArray]:
-    """Returns the lanes within ``radius`` and the place on each: arc length, lateral, heading."""
+    """Returns the lanes within ``radius``, and the place on each, columns ``LanePlaceCol``."""
     feet: dict[int, _Foot] = {}
     for i, lane, squared, along, length in _segments(index, x, y, radius):
         if squared > radius * radius:
             continue
-        if lane not in feet or squared < feet[lane][0]:
-            feet[lane] = squared, i, min(max(along, 0.0), length)
+        if lane not in feet or squared < feet[lane].squared:
+            feet[lane] = _Foot(squared, i, min(max(along, 0.0), length))
     places = [_place(index, i, t, x, y) for _, i, t in feet.values()]
-    return np.array([*feet], dtype=np.int32), np.array(places, dtype=np.float64).reshape(-1, 3)
+    found = np.array(places, dtype=np.float64).reshape(-1, LANE_PLACE_COLUMNS)
+    return np.array([*feet], dtype=np.int32), found
 
 
 def project(
     index: SegmentIndex, points: FloatArray, headings: FloatArray
 ) -> tuple[Int32Array, FloatArray]:
-    """Returns the lane of each point and the place on it: arc length, lateral, heading."""
+    """Returns the lane of each point, and the place on it, columns ``LanePlaceCol``."""
     chosen = np.full(len(points), -1, np.int32)
-    places = np.full((len(points), 3), np.nan)
+    places = np.full((len(points), LANE_PLACE_COLUMNS), np.nan)
     before = -1
     for p, ((x, y), heading) in enumerate(zip(points.tolist(), headings.tolist(), strict=True)):
         feet = _feet_within_width(index, x, y)
@@ -55,7 +83,8 @@ def project(
         for lane, (squared, i, _) in feet.items():
             cost = math.sqrt(squared)
             if not math.isnan(heading):
-                ux, uy = float(index.segments[i, 2]), float(index.segments[i, 3])
+                ux = float(index.segments[i, SegmentCol.COS])
+                uy = float(index.segments[i, SegmentCol.SIN])
                 agreement = math.cos(heading) * ux + math.sin(heading) * uy
                 cost += HEADING_WEIGHT * (1.0 - agreement)
             if lane == before:
@@ -77,12 +106,12 @@ def _feet_within_width(index: SegmentIndex, x: float, y: float) -> dict[int, _Fo
         half, ends = float(index.half_widths[lane]), int(index.ends[i])
         if squared > half * half:
             continue
-        if ends & 1 and along < -OVERSHOOT:
+        if ends & LaneEnd.FIRST and along < -OVERSHOOT:
             continue
-        if ends & 2 and along > length + OVERSHOOT:
+        if ends & LaneEnd.LAST and along > length + OVERSHOOT:
             continue
-        if lane not in feet or squared < feet[lane][0]:
-            feet[lane] = squared, i, min(max(along, 0.0), length)
+        if lane not in feet or squared < feet[lane].squared:
+            feet[lane] = _Foot(squared, i, min(max(along, 0.0), length))
     return feet
 
 
@@ -131,7 +160,7 @@ def _cells(low: float, high: float, count: int) -> tuple[int, int]:
 
 
 def _place(index: SegmentIndex, i: int, t: float, x: float, y: float) -> tuple[float, float, float]:
-    """Returns arc length, signed distance and heading of a foot point."""
+    """Returns the place of a foot point, columns ``LanePlaceCol``."""
     start_x, start_y, ux, uy, _, arc = index.segments[i].tolist()
     dx, dy = x - start_x, y - start_y
     side = ux * dy - uy * dx

@@ -6,15 +6,26 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivora_service.compilation import compiled, worth_loading
 from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray, Int32Array
 from drivora_service.networks import few_places
-from drivora_service.networks.few_places import HEADING_WEIGHT, HYSTERESIS, OVERSHOOT
+from drivora_service.networks.few_places import (
+    HEADING_WEIGHT,
+    HYSTERESIS,
+    LANE_PLACE_COLUMNS,
+    OVERSHOOT,
+    LanePlaceCol,
+)
 from drivora_service.networks.road_network import LanePosition, RoadNetwork
-from drivora_service.networks.segment_index import CELL, SegmentIndex, segment_index
+from drivora_service.networks.segment_index import (
+    CELL,
+    LaneEnd,
+    SegmentCol,
+    SegmentIndex,
+    segment_index,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -96,15 +107,19 @@ def _near_lanes(
     heading: float | None,
     drivable: bool,
 ) -> tuple[Int32Array, FloatArray, FloatArray]:
-    """Returns the lanes (n,) near a place, the place (n, 3) on each, and its cost (n,), metres."""
+    """Returns the lanes near a place, the place on each, and its cost in metres.
+
+    Shapes: (n,), (n, 3) with columns ``LanePlaceCol``, and (n,).
+    """
     index = segment_index(network, drivable)
     if worth_loading(_near, 1):
-        lanes, places = _near(*_arrays(index), float(x), float(y), float(max_distance))
+        lanes, places = _near(index, float(x), float(y), float(max_distance))
     else:
         lanes, places = few_places.lanes_near(index, float(x), float(y), float(max_distance))
-    cost = np.abs(places[:, 1])
+    cost = np.abs(places[:, LanePlaceCol.LATERAL])
     if heading is not None:
-        cost = cost + HEADING_WEIGHT * (1.0 - elementary.cos(places[:, 2] - heading))
+        turn = places[:, LanePlaceCol.HEADING] - heading
+        cost = cost + HEADING_WEIGHT * (1.0 - elementary.cos(turn))
     return lanes, places, cost
 
 
@@ -126,51 +141,41 @@ def project_points(
     wanted = np.full(len(points), np.nan) if headings is None else headings
     wanted = np.ascontiguousarray(wanted, dtype=np.float64)
     if worth_loading(_project, len(points)):
-        lanes, places = _project(*_arrays(index), index.ends, index.half_widths, points, wanted)
+        lanes, places = _project(index, points, wanted)
     else:
         lanes, places = few_places.project(index, points, wanted)
     return LaneProjections(
-        lane=lanes, s=places[:, 0].copy(), lateral=places[:, 1].copy(), heading=places[:, 2].copy()
-    )
-
-
-_Arrays = tuple[FloatArray, Int32Array, FloatArray, int, int, Int32Array, Int32Array, int]
-
-
-def _arrays(index: SegmentIndex) -> _Arrays:
-    return (
-        index.segments,
-        index.lanes,
-        index.origin,
-        index.columns,
-        index.rows,
-        index.cell_starts,
-        index.cell_items,
-        len(index.half_widths),
+        lane=lanes,
+        s=places[:, LanePlaceCol.S].copy(),
+        lateral=places[:, LanePlaceCol.LATERAL].copy(),
+        heading=places[:, LanePlaceCol.HEADING].copy(),
     )
 
 
 @compiled
 def _distance(segments: FloatArray, i: int, x: float, y: float) -> tuple[float, float, float]:
     """Returns the squared distance from a segment, the foot point and its unclamped place on it."""
-    dx, dy = x - segments[i, 0], y - segments[i, 1]
-    along = dx * segments[i, 2] + dy * segments[i, 3]
-    t = min(max(along, 0.0), segments[i, 4])
-    dx -= t * segments[i, 2]
-    dy -= t * segments[i, 3]
+    segment = segments[i]
+    ux, uy = segment[SegmentCol.COS], segment[SegmentCol.SIN]
+    dx, dy = x - segment[SegmentCol.X], y - segment[SegmentCol.Y]
+    along = dx * ux + dy * uy
+    t = min(max(along, 0.0), segment[SegmentCol.LENGTH])
+    dx -= t * ux
+    dy -= t * uy
     return dx * dx + dy * dy, t, along
 
 
 @compiled
 def _place(segments: FloatArray, i: int, t: float, x: float, y: float, out: FloatArray) -> None:
-    """Writes arc length, signed distance and heading of a foot point."""
-    dx, dy = x - segments[i, 0], y - segments[i, 1]
-    ux, uy = segments[i, 2], segments[i, 3]
+    """Writes the place of a foot point, columns ``LanePlaceCol``."""
+    segment = segments[i]
+    ux, uy = segment[SegmentCol.COS], segment[SegmentCol.SIN]
+    dx, dy = x - segment[SegmentCol.X], y - segment[SegmentCol.Y]
     side = ux * dy - uy * dx
     distance = np.hypot(dx - t * ux, dy - t * uy)
-    out[0] = segments[i, 5] + t
-    out[1] = distance if side >= 0.0 else -distance
-    out[2] = math.atan2(uy, ux)
+    out[LanePlaceCol.S] = segment[SegmentCol.ARC] + t
+    out[LanePlaceCol.LATERAL] = distance if side >= 0.0 else -distance
+    out[LanePlaceCol.HEADING] = math.atan2(uy, ux)
 
 
 @compiled
@@ -180,27 +185,18 @@ def _cells(low: float, high: float, count: int) -> tuple[int, int]:
 
 
 @compiled
-def _near(
-    segments: FloatArray,
-    lanes: Int32Array,
-    origin: FloatArray,
-    columns: int,
-    rows: int,
-    cell_starts: Int32Array,
-    cell_items: Int32Array,
-    lane_count: int,
-    x: float,
-    y: float,
-    radius: float,
-) -> tuple[Int32Array, FloatArray]:
-    """Returns the lanes within ``radius`` and the place on each: arc length, lateral, heading."""
+def _near(index: SegmentIndex, x: float, y: float, radius: float) -> tuple[Int32Array, FloatArray]:
+    """Returns the lanes within ``radius``, and the place on each, columns ``LanePlaceCol``."""
+    segments, lanes, origin = index.segments, index.lanes, index.origin
+    cell_starts, cell_items, columns = index.cell_starts, index.cell_items, index.columns
+    lane_count = len(index.half_widths)
     found = np.empty(lane_count, np.int32)
     segment = np.empty(lane_count, np.int64)
     squared = np.empty(lane_count)
     foot = np.empty(lane_count)
     count = 0
     c0, c1 = _cells(x - radius - origin[0], x + radius - origin[0], columns)
-    r0, r1 = _cells(y - radius - origin[1], y + radius - origin[1], rows)
+    r0, r1 = _cells(y - radius - origin[1], y + radius - origin[1], index.rows)
     for row in range(r0, r1 + 1):
         for cell in range(row * columns + c0, row * columns + c1 + 1):
             for k in range(cell_starts[cell], cell_starts[cell + 1]):
@@ -216,7 +212,7 @@ def _near(
                 elif d2 >= squared[j]:
                     continue
                 found[j], segment[j], squared[j], foot[j] = lanes[i], i, d2, t
-    places = np.empty((count, 3))
+    places = np.empty((count, LANE_PLACE_COLUMNS))
     for j in range(count):
         _place(segments, segment[j], foot[j], x, y, places[j])
     return found[:count].copy(), places
@@ -224,22 +220,15 @@ def _near(
 
 @compiled
 def _project(
-    segments: FloatArray,
-    lanes: Int32Array,
-    origin: FloatArray,
-    columns: int,
-    rows: int,
-    cell_starts: Int32Array,
-    cell_items: Int32Array,
-    lane_count: int,
-    ends: NDArray[np.uint8],
-    half_widths: FloatArray,
-    points: FloatArray,
-    headings: FloatArray,
+    index: SegmentIndex, points: FloatArray, headings: FloatArray
 ) -> tuple[Int32Array, FloatArray]:
-    """Returns the lane of each point and the place on it: arc length, lateral, heading."""
+    """Returns the lane of each point, and the place on it, columns ``LanePlaceCol``."""
+    segments, lanes, origin = index.segments, index.lanes, index.origin
+    cell_starts, cell_items, columns = index.cell_starts, index.cell_items, index.columns
+    ends, half_widths = index.ends, index.half_widths
+    lane_count = len(half_widths)
     chosen = np.full(len(points), -1, np.int32)
-    places = np.full((len(points), 3), np.nan)
+    places = np.full((len(points), LANE_PLACE_COLUMNS), np.nan)
     found = np.empty(lane_count, np.int32)
     segment = np.empty(lane_count, np.int64)
     squared = np.empty(lane_count)
@@ -250,7 +239,7 @@ def _project(
         x, y = points[p, 0], points[p, 1]
         count = 0
         c0, c1 = _cells(x - radius - origin[0], x + radius - origin[0], columns)
-        r0, r1 = _cells(y - radius - origin[1], y + radius - origin[1], rows)
+        r0, r1 = _cells(y - radius - origin[1], y + radius - origin[1], index.rows)
         for row in range(r0, r1 + 1):
             for cell in range(row * columns + c0, row * columns + c1 + 1):
                 for k in range(cell_starts[cell], cell_starts[cell + 1]):
@@ -259,9 +248,10 @@ def _project(
                     d2, t, along = _distance(segments, i, x, y)
                     if d2 > half * half:
                         continue
-                    if ends[i] & 1 and along < -OVERSHOOT:
+                    if ends[i] & LaneEnd.FIRST and along < -OVERSHOOT:
                         continue
-                    if ends[i] & 2 and along > segments[i, 4] + OVERSHOOT:
+                    length = segments[i, SegmentCol.LENGTH]
+                    if ends[i] & LaneEnd.LAST and along > length + OVERSHOOT:
                         continue
                     j = 0
                     while j < count and found[j] != lanes[i]:
@@ -276,9 +266,8 @@ def _project(
             i = segment[j]
             cost = np.sqrt(squared[j])
             if not np.isnan(headings[p]):
-                agreement = (
-                    math.cos(headings[p]) * segments[i, 2] + math.sin(headings[p]) * segments[i, 3]
-                )
+                ux, uy = segments[i, SegmentCol.COS], segments[i, SegmentCol.SIN]
+                agreement = math.cos(headings[p]) * ux + math.sin(headings[p]) * uy
                 cost += HEADING_WEIGHT * (1.0 - agreement)
             if found[j] == before:
                 cost -= HYSTERESIS

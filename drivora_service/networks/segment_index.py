@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from enum import IntEnum
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,15 +16,36 @@ CELL = 10.0
 """Side of a cell and maximum length of a segment, metres, so that a segment is in few cells."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SegmentIndex:
+class SegmentCol(IntEnum):
+    """Columns of segments; metres."""
+
+    X = 0
+    """Of its start."""
+    Y = 1
+    COS = 2
+    """Of its direction."""
+    SIN = 3
+    LENGTH = 4
+    ARC = 5
+    """Arc length of its start on its lane."""
+
+
+class LaneEnd(IntEnum):
+    """Bits of ``SegmentIndex.ends``."""
+
+    FIRST = 1
+    """The segment is the first of its lane."""
+    LAST = 2
+    """It is the last of its lane."""
+
+
+class SegmentIndex(NamedTuple):
     """Segments, and the segments in each cell.
 
     Attributes:
-        segments: (m, 6): start x, start y, unit direction x, unit direction y, length, arc length
-            of the start on its lane; metres.
+        segments: (m, 6), columns ``SegmentCol``.
         lanes: (m,) index of each segment's lane.
-        ends: (m,) 1: first segment of its lane, 2: last, 3: both, 0: neither.
+        ends: (m,) bits of ``LaneEnd``.
         half_widths: (lanes,) metres, by lane index.
         origin: (2,) lower left corner of the grid, metres.
         columns: Cells from west to east.
@@ -52,11 +74,12 @@ def segment_index(network: RoadNetwork, drivable_only: bool) -> SegmentIndex:
     segments = np.concatenate(parts)
     last = np.cumsum(counts) - 1
     ends = np.zeros(len(segments), dtype=np.uint8)
-    ends[last - counts + 1] |= 1
-    ends[last] |= 2
+    ends[last - counts + 1] |= np.uint8(LaneEnd.FIRST)
+    ends[last] |= np.uint8(LaneEnd.LAST)
 
-    starts = segments[:, :2]
-    stops = starts + segments[:, 2:4] * segments[:, 4:5]
+    starts = segments[:, [SegmentCol.X, SegmentCol.Y]]
+    directions = segments[:, [SegmentCol.COS, SegmentCol.SIN]]
+    stops = starts + directions * segments[:, [SegmentCol.LENGTH]]
     low, high = np.minimum(starts, stops), np.maximum(starts, stops)
     origin = low.min(axis=0) - 1.0
     first = ((low - origin) // CELL).astype(np.int64)

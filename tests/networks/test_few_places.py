@@ -36,11 +36,10 @@ def assert_same(one: tuple[np.ndarray, ...], other: tuple[np.ndarray, ...]) -> N
 @pytest.mark.parametrize("drivable", [True, False])
 def test_lanes_near_a_place(town: RoadNetwork, drivable: bool) -> None:
     index = segment_index(town, drivable)
-    arrays = projection._arrays(index)
     found = 0
     for x, y in scattered(town, 300, seed=1).tolist():
         for radius in (3.0, 20.0, 100.0):
-            near = projection._near(*arrays, x, y, radius)
+            near = projection._near(index, x, y, radius)
             assert_same(near, few_places.lanes_near(index, x, y, radius))
             found += len(near[0])
     assert found > 300
@@ -52,9 +51,7 @@ def test_lanes_of_a_trajectory(town: RoadNetwork, headed: bool) -> None:
     points = np.repeat(scattered(town, 300, seed=2), 2, axis=0)
     rng = np.random.default_rng(3)
     headings = rng.uniform(-4.0, 4.0, len(points)) if headed else np.full(len(points), np.nan)
-    kernel = projection._project(
-        *projection._arrays(index), index.ends, index.half_widths, points, headings
-    )
+    kernel = projection._project(index, points, headings)
     assert_same(kernel, few_places.project(index, points, headings))
     assert (kernel[0] >= 0).sum() > 100
 
@@ -62,12 +59,10 @@ def test_lanes_of_a_trajectory(town: RoadNetwork, headed: bool) -> None:
 @given(x=st.floats(-150.0, 350.0), y=st.floats(-150.0, 350.0), radius=st.floats(0.0, 400.0))
 def test_any_place_and_radius(loop: RoadNetwork, x: float, y: float, radius: float) -> None:
     index = segment_index(loop, True)
-    near = projection._near(*projection._arrays(index), x, y, radius)
+    near = projection._near(index, x, y, radius)
     assert_same(near, few_places.lanes_near(index, x, y, radius))
     points, headings = np.array([[x, y]]), np.array([radius])
-    kernel = projection._project(
-        *projection._arrays(index), index.ends, index.half_widths, points, headings
-    )
+    kernel = projection._project(index, points, headings)
     assert_same(kernel, few_places.project(index, points, headings))
 
 

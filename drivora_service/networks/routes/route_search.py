@@ -53,6 +53,17 @@ class EdgePass:
     continues: bool
 
 
+# Plain tuples, which are unpacked into names where they are read: named ones would make the search
+# a third slower.
+_Entry = tuple[int, int]
+"""The end of a way to a target: the number of the candidate from which it goes straight on, else
+-1; the lane at the beginning of its last edge, else -1."""
+
+_Parent = tuple[int, int, int]
+"""How a lane is reached: the lane at the beginning of the edge before, -1 from the source's edge;
+the number of the candidate there, else -1; the lane at the end of the edge before."""
+
+
 @dataclass(slots=True, kw_only=True)
 class _Leg:
     """The cheapest ways to the candidates of a place from those of the preceding place.
@@ -61,19 +72,17 @@ class _Leg:
         sources: Candidates of the preceding place.
         targets: Candidates of the place.
         costs: Cost of the way to each target; infinite without one.
-        entries: End of the way to each target: (source, -1) straight on, or (-1, lane of its last
-            edge).
-        parents: How a lane is reached: (lane before or -1, source or -1, lane at the end of the
-            edge before).
+        entries: End of the way to each target.
+        parents: How each lane that has been reached is reached.
     """
 
     sources: Sequence[Candidate]
     targets: Sequence[Candidate]
     costs: list[float]
-    entries: list[tuple[int, int]]
-    parents: dict[int, tuple[int, int, int]]
+    entries: list[_Entry]
+    parents: dict[int, _Parent]
 
-    def reach(self, target: int, cost: float, entry: tuple[int, int]) -> None:
+    def reach(self, target: int, cost: float, entry: _Entry) -> None:
         """Takes a way to a target if it is the cheapest so far."""
         if cost < self.costs[target]:
             self.costs[target], self.entries[target] = cost, entry
