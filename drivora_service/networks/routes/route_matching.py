@@ -3,6 +3,12 @@
 The waypoints are the observations of a hidden Markov model and the lane positions near them its
 states, as in Newson and Krumm, "Hidden Markov Map Matching Through Noise and Sparseness", ACM GIS
 2009: the distance to the lane is weighed against the detour that the lane costs, both in metres.
+The sum of metres that is minimised stands for the negative logarithm of the probability, of which
+distances have exponential, not Gaussian, tails here: one far waypoint does not outweigh many.
+Viterbi's algorithm goes from place to place, in
+:mod:`~drivora_service.networks.routes.route_search`. A detour is there the excess over the straight
+distance between places, here the whole length: the difference is the same for all ways.
+
 Three extensions are added. A waypoint on a lane is passed in that lane if this costs no more than
 lane changes. If it would cost a lap, the waypoint is passed in another lane of its edge. A waypoint
 that can be passed only by a detour much longer than the polyline around it is an outlier and is
@@ -127,11 +133,14 @@ def match_places(network: RoadNetwork, places: Sequence[Place]) -> RouteMatch | 
     """
     graph = lane_graph(network)
     kept = list(range(len(places)))
+    # Most routes end here: the lanes at their places make no detour.
     strict = search(graph, [place.named for place in places])
     if not isinstance(strict, int):
         exact = _make_match(graph, places, kept, strict)
         if not any(leg.is_detour for leg in exact.legs):
             return exact
+    # Else the lanes may make it, so those beside are allowed. Detours that remain come from places,
+    # some of which are omitted. Then each place gets back its own lane where this costs no detour.
     way = strict
     if any(place.near != place.named for place in places):
         way = search(graph, [place.near for place in places])
@@ -141,13 +150,18 @@ def match_places(network: RoadNetwork, places: Sequence[Place]) -> RouteMatch | 
         kept, way = _without_outliers(graph, places, kept, way)
     way = _in_named_lanes(network, graph, [places[number] for number in kept], way)
     match = _make_match(graph, places, kept, way)
+    # Not to pass every place in its own lane has to be worth it.
     if not isinstance(strict, int) and _length(exact) - _length(match) < MIN_SAVING:
         return exact
     return match
 
 
 def pass_length(graph: LaneGraph, one: EdgePass) -> float:
-    """Returns the length of a pass along its edge, metres."""
+    """Returns the length of a pass along its edge, metres.
+
+    In a bend the lanes of an edge differ in length: the place at which the pass ends is carried
+    over to its first lane by its share of the length.
+    """
     end = one.exit_s * graph.lengths[one.lane] / graph.lengths[one.exit_lane]
     return max(end - one.s, 0.0)
 
@@ -184,7 +198,13 @@ def _polyline(places: Sequence[Place], first: int, last: int) -> float:
 def _without_outliers(
     graph: LaneGraph, places: Sequence[Place], kept: list[int], way: Way
 ) -> tuple[list[int], Way]:
-    """Omits runs of waypoints, the one that saves most first, until none saves enough."""
+    """Omits runs of waypoints, the one that saves most first, until none saves enough.
+
+    One at a time, since omitting a run changes what omitting another one saves.
+
+    Returns:
+        The numbers of the places that are left, and the way through them.
+    """
     known: dict[tuple[int, ...], float] = {}
     for _ in range(len(places)):
         detours = [
@@ -192,6 +212,8 @@ def _without_outliers(
         ]
         if len(detours) > MAX_DETOURS:
             break
+        # A detour is made for the place at one of its ends, maybe with neighbours of it. The start,
+        # at index 0, is never omitted.
         runs = {
             (first, last)
             for j in detours
@@ -233,6 +255,8 @@ def _compute_saving(
     if at_end and (around > MAX_LOST_END or first < 2):
         return -math.inf
     run = set(kept[first : last + 1])
+    # Some places before and behind the run, both ways are the same. So the part around it tells the
+    # saving, and keeps it in later rounds that omit no place of it.
     window = tuple(kept[max(first - 1 - _WINDOW, 0) : last + 2 + _WINDOW])
     fewer = tuple(number for number in window if number not in run)
     for numbers in (window, fewer):
@@ -241,6 +265,9 @@ def _compute_saving(
             known[numbers] = math.inf if isinstance(way, int) else way.cost
     if math.isinf(known[window]) or math.isinf(known[fewer]):
         return -math.inf
+    # Compared with the polyline around the run, which is about what the way is long without it: a
+    # detour longer than that is out of proportion to the part of the route that asks for it. A
+    # place on a road is more likely to be intended than one beside it.
     on_road = any(places[number].on_road for number in run)
     needed = max((OUTLIER_FACTOR if on_road else OFF_ROAD_FACTOR) * around, MIN_OUTLIER_DETOUR)
     return known[window] - known[fewer] - needed
@@ -249,7 +276,10 @@ def _compute_saving(
 def _in_named_lanes(
     network: RoadNetwork, graph: LaneGraph, places: Sequence[Place], way: Way
 ) -> Way:
-    """Moves a way into the lanes of the places, along the same edges."""
+    """Returns a way moved into the lanes of the places, along the same edges.
+
+    Inside junctions all lanes are allowed, as a movement from another lane is on lanes of its own.
+    """
     lanes = [way.legs[0][0].lane, *(leg[-1].exit_lane for leg in way.legs)]
     candidates = []
     for lane, place in zip(lanes, places, strict=True):

@@ -16,7 +16,11 @@ from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.observations.trace import Actor, Col, Trace
 
 _JUMP = 1.0
-"""Metres in one step beyond what the speeds of an actor explain."""
+"""Metres in one step beyond what the speeds of an actor explain. Braking and steering explain
+centimetres, a change to the next lane in one step takes metres."""
+
+_HALVINGS = 20
+"""Halvings of a step to find the first touch: a millionth of its way is left, micrometres."""
 
 
 class Face(StrEnum):
@@ -64,11 +68,14 @@ def find_impact(trace: Trace, ego: Actor, other: Actor, step: int) -> Impact:
     after = trace.states[step, [ego.row, other.row]]
     begun = step > 0 and bool(trace.present[step - 1, [ego.row, other.row]].all())
     before = trace.states[step - 1, [ego.row, other.row]] if begun else after
+    # From displacements where there are two rows: it is they that brought the boxes together. A
+    # recorded speed may disagree, as that of an actor that SUMO moves sideways.
     velocities = after[:, [Col.VX, Col.VY]]
     if begun:
         velocities = (after - before)[:, [Col.X, Col.Y]] / trace.step_length
     pose = _first_touch(before, after, ego, other)
-    cos, sin = math.cos(pose[0, 2]), math.sin(pose[0, 2])
+    own = pose[0]
+    cos, sin = math.cos(own[Col.YAW]), math.sin(own[Col.YAW])
     relative = velocities[1] - velocities[0]
     x, y = _touch_point(pose, ego, other)
     return Impact(
@@ -79,8 +86,8 @@ def find_impact(trace: Trace, ego: Actor, other: Actor, step: int) -> Impact:
         face=_face(pose, ego, other),
         other_face=_face(pose[::-1], other, ego),
         place=(
-            float(pose[0, 0] + x * cos - y * sin),
-            float(pose[0, 1] + x * sin + y * cos),
+            float(own[Col.X] + x * cos - y * sin),
+            float(own[Col.Y] + x * sin + y * cos),
         ),
         appeared=step > 0 and not begun,
         jumped=begun and _has_jumped(before[1], after[1], trace.step_length),
@@ -95,25 +102,29 @@ def _has_jumped(before: FloatArray, after: FloatArray, step_length: float) -> bo
 
 
 def _first_touch(before: FloatArray, after: FloatArray, ego: Actor, other: Actor) -> FloatArray:
-    """Returns (2, 3) poses of ego and other just after they first overlapped."""
+    """Returns (2, 3) poses of ego and other just after they first overlapped, columns ``Col``."""
     turns = [wrap_angle(float(turn)) for turn in after[:, Col.YAW] - before[:, Col.YAW]]
 
+    begin, end = before[:, : Col.YAW + 1], after[:, : Col.YAW + 1]
+
     def poses(share: float) -> FloatArray:
-        mixed = before[:, :3] + share * (after[:, :3] - before[:, :3])
-        mixed[:, 2] = before[:, Col.YAW] + share * np.array(turns)
+        mixed = begin + share * (end - begin)
+        mixed[:, Col.YAW] = before[:, Col.YAW] + share * np.array(turns)
         return mixed
 
+    # Bisection, as the boxes overlap in the later row. Of the last interval the end is returned, at
+    # which they overlap: the middle of that overlap is the point of touch.
     apart, overlapping = 0.0, 1.0
-    for _ in range(20):
+    for _ in range(_HALVINGS):
         middle = 0.5 * (apart + overlapping)
         first, second = poses(middle)
         depth = overlap_depth(
-            second[0] - first[0],
-            second[1] - first[1],
-            first[2],
+            second[Col.X] - first[Col.X],
+            second[Col.Y] - first[Col.Y],
+            first[Col.YAW],
             ego.length,
             ego.width,
-            second[2],
+            second[Col.YAW],
             other.length,
             other.width,
         )
@@ -126,6 +137,8 @@ def _first_touch(before: FloatArray, after: FloatArray, ego: Actor, other: Actor
 
 def _face(pose: FloatArray, ego: Actor, other: Actor) -> Face:
     """Returns the part of the ego that was touched, from (2, 3) poses as the two touch."""
+    # Just after the touch the overlap is a sliver along the edge that was touched: its middle is
+    # nearer to this edge than to the others.
     x, y = _touch_point(pose, ego, other)
     distances = {
         Face.FRONT: 0.5 * ego.length - x,
@@ -138,14 +151,16 @@ def _face(pose: FloatArray, ego: Actor, other: Actor) -> Face:
 def _touch_point(pose: FloatArray, ego: Actor, other: Actor) -> tuple[float, float]:
     """Returns the middle of the overlap in the ego's frame, x forwards, y to the left, metres."""
     own = box(-0.5 * ego.length, -0.5 * ego.width, 0.5 * ego.length, 0.5 * ego.width)
-    dx, dy = pose[1, :2] - pose[0, :2]
-    cos, sin = math.cos(pose[0, 2]), math.sin(pose[0, 2])
-    turn = pose[1, 2] - pose[0, 2]
+    dx, dy = (pose[1] - pose[0])[[Col.X, Col.Y]]
+    cos, sin = math.cos(pose[0, Col.YAW]), math.sin(pose[0, Col.YAW])
+    turn = pose[1, Col.YAW] - pose[0, Col.YAW]
     c, s = math.cos(turn), math.sin(turn)
+    # Turned and moved into the ego's frame: the two rows of the rotation, then the translation.
     theirs: Polygon = affine_transform(
         box(-0.5 * other.length, -0.5 * other.width, 0.5 * other.length, 0.5 * other.width),
         [c, -s, s, c, dx * cos + dy * sin, dy * cos - dx * sin],
     )
     common = own.intersection(theirs)
+    # Rounding may leave none; the other's centre is on the right side of the ego at least.
     middle = common.centroid if not common.is_empty else theirs.centroid
     return float(middle.x), float(middle.y)

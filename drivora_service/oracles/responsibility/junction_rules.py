@@ -18,11 +18,18 @@ from drivora_service.oracles.responsibility.road_rules import one_behind_the_oth
 from drivora_service.oracles.responsibility.scene import ALONG, ASTRAY, Scene
 
 _FIRST = 1.0
-"""Seconds by which a party must arrive earlier to be first at an all-way stop."""
+"""Seconds by which a party must arrive earlier to be first at an all-way stop: less than the time
+to react (1.15 s), in which neither could answer to the other."""
 
 
 def in_junction(scene: Scene) -> Finding | None:
-    """Applies the rules for junctions; None outside of them."""
+    """Applies the rules for junctions; None outside of them.
+
+    In this order: following is judged as on roads. Then, whatever its right, a party must not drive
+    into what stands (RSS: right of way is given, not taken). A party without a way through the
+    junction has no right to it. Signals precede signs (Vienna Convention, article 5), and both
+    concern only ways that cross. Where they do not cross, a party must have left its own.
+    """
     junction = junction_of(scene)
     if junction is None:
         return None
@@ -49,6 +56,7 @@ def _blocked(scene: Scene) -> Finding | None:
         other = scene.opposite(party)
         if not scene.stands(party) or scene.stands(other):
             continue
+        # Touched at its edge only, it stood there for as long as is known.
         k = party.entry(scene.way(other), other.yaw)
         entered = party.step(0 if k is None else k)
         if scene.could_brake(other, entered):
@@ -75,6 +83,11 @@ def _no_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
 
 
 def _signals(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
+    """Of parties that cross at signals, the one that came in on red is responsible.
+
+    None if both signals were green as they came in: then the right of way decides, as for
+    permissive turns.
+    """
     ego, other = ways[scene.ego], ways[scene.other]
     if ego.link is None or other.link is None or not _conflict(ego, other):
         return None
@@ -105,6 +118,7 @@ def _link(way: Passage) -> tuple[str, int]:
 
 
 def _conflict(one: Passage, two: Passage) -> bool:
+    """Returns whether two ways cross or merge; the network may name it in one of them only."""
     if one.movement is None or two.movement is None:
         return False
     return bool(
@@ -114,6 +128,7 @@ def _conflict(one: Passage, two: Passage) -> bool:
 
 
 def _right_of_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
+    """Of parties that cross, the one that gives way by the network's table is responsible."""
     ego, other = ways[scene.ego], ways[scene.other]
     if ego.movement is None or other.movement is None or not _conflict(ego, other):
         return None
@@ -126,6 +141,8 @@ def _right_of_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
             fault=scene.fault_of(party),
             reason=f"{scene.name(party)} had to give way",
         )
+    # The table does not decide between them, as at an all-way stop, where each gives way: the first
+    # to come goes first.
     apart = (ego.entered - other.entered) * scene.trace.step_length
     if abs(apart) < _FIRST:
         return _unknown("right_of_way", "both came at the same time, and each had to give way")
@@ -139,6 +156,8 @@ def _right_of_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
 
 def _left_its_way(scene: Scene, ways: dict[Party, Passage]) -> Finding:
     """For ways that do not cross, the party that left its own is responsible."""
+    # By whether each reaches beyond its lanes; if none does or both do, by whether they touched
+    # outside of them.
     beyond = {party: _beyond(party, way) > ASTRAY for party, way in ways.items()}
     left = [party for party, is_beyond in beyond.items() if is_beyond]
     if len(left) != 1:

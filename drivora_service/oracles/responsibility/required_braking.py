@@ -27,6 +27,9 @@ def could_brake(one: Party, other: Party, step: int, reaction: float = REACTION)
     Both are projected on the heading of ``one`` at the contact. The other moves as recorded,
     and after the contact at its last speed; a speed towards ``one`` counts as standing.
 
+    Distances are measured from where each is at the contact. There the boxes touch, so ``one`` is
+    behind the other for as long as it has come less far than the other, whatever their sizes.
+
     Args:
         one: The party that brakes.
         other: The party ahead of it.
@@ -42,6 +45,8 @@ def could_brake(one: Party, other: Party, step: int, reaction: float = REACTION)
     last = float(ahead[-1] - ahead[-2]) / dt if other.count > 1 else 0.0
     last = max(last, 0.0)
     steps = np.diff(one.travelled)
+    # The least grip counts on the whole way: no party is blamed for want of a braking that the road
+    # might not have held.
     full = min(DECELERATION, float(one.grip[begin:].min()))
     place, time = float(driven[begin]), 0.0
     speed = float(steps[min(begin, len(steps) - 1)]) / dt if len(steps) else 0.0
@@ -56,11 +61,13 @@ def could_brake(one: Party, other: Party, step: int, reaction: float = REACTION)
             braking = full * min(1.0, (time - reaction) / RAMP)
             speed = max(0.0, speed - braking * dt)
             place += speed * dt
+        # Both records end with the contact, but may begin at different rows.
         row = k - (one.count - other.count)
         if row >= 0:
             known = row < other.count
             free = float(ahead[row]) if known else (row - other.count + 1) * dt * last
             if place > free - 1e-3:
                 return False
+        # From here on the room between them only grows: ``one`` gets no faster.
         if k >= one.count - 1 and speed <= last:
             return True

@@ -9,10 +9,12 @@ from drivora_service.oracles.responsibility.required_braking import REACTION, co
 from drivora_service.oracles.responsibility.scene import AGAINST, ALONG, ASTRAY, Scene
 
 _RETURNED = 2.5
-"""Seconds for which it counts that a vehicle was in the wrong lane."""
+"""Seconds for which it counts that a vehicle was in the wrong lane: long enough for the one that it
+met to react (1.15 s) and to steer aside."""
 
 _AT_ONCE = 1.0
-"""Difference in seconds up to which two came into a lane at the same time."""
+"""Difference in seconds up to which two came into a lane at the same time: less than the time to
+react (1.15 s), in which neither could answer to the other."""
 
 _LINE = 0.1
 """Metres around a line between lanes within which a touch is on the line."""
@@ -35,6 +37,8 @@ def opposite_directions(scene: Scene) -> Finding | None:
                 f"{scene.name(party)} was in the lane of the other direction, which "
                 f"{scene.name(other)} had left until a moment before",
             )
+        # An ego has to brake for what stands, in whichever lane. The reverse does not hold: an ego
+        # that has stopped in the lane of the other direction is responsible for being there.
         if scene.stands(party) and party is scene.other:
             since = scene.step - round(party.stood / party.step_length)
             if scene.could_brake(other, since):
@@ -58,6 +62,7 @@ def _came_back(party: Party, other: Party) -> bool:
     wrong = [k for k in range(max(0, party.count - rows), party.count) if _is_wrong(party, k)]
     if not wrong:
         return False
+    # Evaded only if it was in a lane of its own direction until then, which it left since.
     step = party.step(wrong[0])
     k = min(max(step - other.first, 0), other.count - 1)
     return other.with_lane[k] or any(other.with_lane[k:])
@@ -86,6 +91,8 @@ def across(scene: Scene) -> Finding | None:
         return _unknown("across", "both went across the lane")
     (party,) = crossing
     other = scene.opposite(party)
+    # RSS, rule 3: right of way is given, not taken. So the one that had it is responsible if its
+    # front hit what it could have braked for; not if it was run into.
     entered = _entry_step(scene, party, other)
     if scene.face(other) is Face.FRONT and scene.could_brake(other, entered):
         return Finding(
@@ -114,9 +121,11 @@ def one_behind_the_other(scene: Scene) -> Finding | None:
     ahead = scene.opposite(behind)
     k = ahead.entry(scene.way(behind), behind.yaw)
     if k is None:
+        # Its box hardly reaches into the way: it stands there at the edge, or comes in right now.
         k = 0 if ahead.stood > 0.0 else ahead.count - 1
     is_here = "stood" if scene.stands(ahead) else "was ahead"
-    # An actor that was present when the record began had been seen before.
+    # An actor that was present when the record began had been seen before: braking needs no time
+    # to react then, which would only be granted for what could not be foreseen.
     is_known = k == 0 and ahead.from_beginning
     if could_brake(behind, ahead, ahead.step(k), 0.0 if is_known else REACTION):
         return Finding(
@@ -124,6 +133,8 @@ def one_behind_the_other(scene: Scene) -> Finding | None:
             fault=scene.fault_of(behind),
             reason=f"{scene.name(ahead)} {is_here}, and there was time to brake",
         )
+    # Too near from the first row on: by whose doing is not recorded, so no ego is blamed for it;
+    # neither is an ego that had only been ahead.
     if is_known and behind is scene.ego:
         return _unknown("too_near", "the record begins too late to tell: they were too near then")
     if is_known:
@@ -143,6 +154,12 @@ def one_behind_the_other(scene: Scene) -> Finding | None:
 
 
 def _behind(scene: Scene) -> Party | None:
+    """Returns the party behind, None if neither is.
+
+    One that moves is behind what stands, in any direction, unless it was touched at its rear. Of
+    two that move in about the same direction it is the one that touched with its front, unless it
+    touched the side of a party that came over from another lane: those drove side by side.
+    """
     ego, other = scene.ego, scene.other
     if scene.stands(other) and not scene.stands(ego):
         return ego if scene.face(ego) is not Face.REAR else None
@@ -164,6 +181,7 @@ def _has_moved_over(scene: Scene, party: Party) -> bool:
 
 def side_by_side(scene: Scene) -> Finding:
     """The party that came into the lane of the other is responsible."""
+    # On the line between two lanes, each party in one of them: neither came over to the other.
     near = [
         lane
         for lane in scene.areas.drivable_at(scene.impact.place, _LINE)
@@ -182,6 +200,7 @@ def side_by_side(scene: Scene) -> Finding:
         return _unknown("none", "no rule applies")
     area = scene.areas.union(lanes)
     heading = scene.areas.heading(lanes[0], scene.impact.place)
+    # Rows of the trace at which each came in; -1, before all others, if it always was inside.
     entries = {}
     for party in (scene.ego, scene.other):
         k = party.entry(area, heading)
