@@ -63,5 +63,5 @@ class FeedbackCatalogue:
         return self._table.plugin(name)
 
     def create(self, choice: FeedbackChoice) -> Feedback:
-        """Makes the feedback of a choice."""
+        """Returns the feedback of a choice, with its parameters."""
         return self.plugin(choice.name).create(choice.parameters)

@@ -74,7 +74,7 @@ class DecictorFeedback:
         return (CONSISTENCY,)
 
     def measure(self, run: RunView) -> Measurement:
-        """Measures a run."""
+        """Returns the least consistency of an ego; without references, the driven paths."""
         if not run.trace.references:
             return Measurement(objectives={CONSISTENCY: None}, features={REFERENCE: _paths(run)})
         values = [

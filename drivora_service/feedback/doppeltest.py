@@ -87,7 +87,7 @@ class DoppelTestFeedback:
         return (EGO_DISTANCE, DECISIONS, CONFLICTS)
 
     def measure(self, run: RunView) -> Measurement:
-        """Measures a run."""
+        """Returns the objectives, and the decisions and conflicts of the egos as features."""
         routes = run.trace.ego_routes
         meetings = find_meetings(run.network, [route.line for route in routes])
         decisions = find_decisions(run, meetings, self.thresholds)

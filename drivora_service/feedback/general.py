@@ -23,7 +23,7 @@ class General:
         return tuple(objective.name for objective in default_objectives())
 
     def measure(self, run: RunView) -> Measurement:
-        """Measures a run."""
+        """Returns each objective of the ego with the smallest score."""
         scores = score_run(run)
         return Measurement(objectives={name: scores[name] for name in self.objectives})
 

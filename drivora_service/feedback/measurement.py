@@ -46,5 +46,5 @@ class Feedback(Protocol):
         ...
 
     def measure(self, run: RunView) -> Measurement:
-        """Measures a run."""
+        """Returns the objectives and features of a run."""
         ...

@@ -27,7 +27,7 @@ class Objective(Protocol):
         ...
 
     def score(self, ego: EgoView) -> float | None:
-        """Scores an ego that has at least one row."""
+        """Returns the score of an ego that has at least one row."""
         ...
 
 
@@ -47,7 +47,7 @@ class MinGap:
         return "min_gap"
 
     def score(self, ego: EgoView) -> float | None:
-        """Scores an ego."""
+        """Returns the least gap over the scale, at most 1; None without another actor."""
         gap = ego.proximity.min_gap
         return None if gap is None else min(gap / self.scale, 1.0)
 
@@ -69,7 +69,7 @@ class TimeToCollision:
         return "time_to_collision"
 
     def score(self, ego: EgoView) -> float | None:
-        """Scores an ego."""
+        """Returns the least time over the scale, at most 1; None without another actor."""
         if ego.proximity.min_gap is None:
             return None
         return min(float(ego.proximity.time_to_collision.min()) / self.scale, 1.0)
@@ -85,7 +85,7 @@ class Progress:
         return "progress"
 
     def score(self, ego: EgoView) -> float | None:
-        """Scores an ego."""
+        """Returns the share of the route, 0 to 1; None if its place on the route is unknown."""
         done = ego.value(EgoCol.ROUTE_S) / ego.route.length
         if not np.isfinite(done).any():
             return None
@@ -110,7 +110,7 @@ class StuckTime:
         return "stuck_time"
 
     def score(self, ego: EgoView) -> float | None:
-        """Scores an ego."""
+        """Returns 1 for an ego that never stood, 0 for one that stood for the scale or longer."""
         return 1.0 - min(float(standing_clock(ego).max()) / self.scale, 1.0)
 
 
@@ -129,7 +129,7 @@ class GoalDistance:
         return "goal_distance"
 
     def score(self, ego: EgoView) -> float | None:
-        """Scores an ego."""
+        """Returns 1 at its goal, 0 a route's length away from it; None without a route."""
         if not ego.route.length > 0.0:
             return None
         goal_x, goal_y = ego.route.goal

@@ -77,7 +77,7 @@ class SamotaFeedback:
         return (LANE_CENTRE, VEHICLE, WALKER, STATIC, PROGRESS, RED_LIGHT)
 
     def measure(self, run: RunView) -> Measurement:
-        """Measures a run."""
+        """Returns each objective of the ego that is nearest to violating it."""
         ran_red = {
             verdict.ego for verdict in RedLight().judge(run) if verdict.outcome is Outcome.VIOLATED
         }

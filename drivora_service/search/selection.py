@@ -144,7 +144,7 @@ def cumulate_probabilities(chances: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Truncation:
-    """Chooses the best."""
+    """Chooses the best candidates by their order; see ``best_first``."""
 
     def select(
         self,
@@ -152,7 +152,7 @@ class Truncation:
         count: int,
         random: np.random.Generator,  # noqa: ARG002  # nothing is drawn
     ) -> IntArray:
-        """Chooses from candidates."""
+        """Returns ``count`` rows, the best first; again from the best if there are fewer."""
         return np.resize(best_first(objectives), count)
 
 
@@ -167,7 +167,7 @@ class Tournament:
     size: int = 2
 
     def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:
-        """Chooses from candidates."""
+        """Returns the rows (count,) of the winners, the best first; a row may occur repeatedly."""
         order = best_first(objectives)
         places = np.empty(len(order), dtype=np.int64)
         places[order] = np.arange(len(order))
@@ -192,7 +192,7 @@ class Roulette:
     floor: float = 0.1
 
     def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:
-        """Chooses from candidates."""
+        """Returns the rows (count,) that were drawn, the most probable first."""
         chances = self.chances(objectives)
         drawn = draw_by_probability(chances, count, random)
         return drawn[np.argsort(-chances[drawn], kind="stable")]
@@ -227,7 +227,7 @@ class RandomSelection:
     """Chooses regardless of the objectives, without replacement until all have been chosen."""
 
     def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:
-        """Chooses from candidates."""
+        """Returns the rows (count,) in random order."""
         n = len(measurable(objectives))
         rounds = [random.permutation(n) for _ in range(-(-count // n))]
         return np.concatenate(rounds)[:count]

@@ -151,7 +151,7 @@ class Waiting:
     """Waits for several channels; asks the system once a wait."""
 
     def __init__(self, *channels: Channel) -> None:
-        """Begins with open channels."""
+        """Registers channels, which must be open."""
         self._channels = channels
         self._poll = select.poll()
         self._sending = dict.fromkeys(channels, False)

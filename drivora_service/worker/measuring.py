@@ -24,7 +24,7 @@ def _catalogue(laws: tuple[Law, ...]) -> FeedbackCatalogue:
 
 
 def make_feedback(choice: FeedbackChoice, laws: tuple[Law, ...] = ()) -> Feedback:
-    """Makes the feedback of a choice.
+    """Returns the feedback of a choice, with its parameters.
 
     Args:
         choice: The choice.

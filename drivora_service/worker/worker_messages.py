@@ -86,14 +86,14 @@ _TYPES: dict[Kind, type[NotReady | Started | Ended | Leftovers]] = {
 
 
 def frame_of(message: NotReady | Started | Ended | Leftovers) -> Frame:
-    """Writes a message."""
+    """Returns a message as a frame with its fields as JSON."""
     kind = next(kind for kind, type_ in _TYPES.items() if isinstance(message, type_))
     fields = {name: getattr(message, name) for name in type(message).__slots__}
     return Frame(kind, json.dumps(fields).encode())
 
 
 def message_of(frame: Frame) -> NotReady | Started | Ended | Leftovers:
-    """Reads a message.
+    """Returns the message of a frame.
 
     Raises:
         ProtocolError: It is no message of these kinds.

@@ -106,7 +106,7 @@ def make_network(
     origin: str,
     max_seconds: float,
 ) -> None:
-    """Makes the files of a network.
+    """Writes the files of a network into a folder.
 
     Args:
         data: The source.

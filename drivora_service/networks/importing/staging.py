@@ -12,13 +12,13 @@ from pathlib import Path
 from drivora_service.errors import NetworkError, NetworkTaken
 
 UPLOADING = ".uploading-"
-"""Begins the names of the folders of a service, of which one serves a folder of networks."""
+"""Prefix of the folders of a service, of which one serves a folder of networks."""
 
 _IMPORTING = ".importing-"
 
 
 def make_stage(into: Path, prefix: str) -> Path:
-    """Makes a folder beside the networks, which no catalogue lists.
+    """Creates and returns a folder beside the networks, which no catalogue lists.
 
     Raises:
         OSError: It cannot be made.

@@ -42,7 +42,7 @@ class PartsFile:
         self._parts: list[bytes] = []
 
     def write(self, part: bytes) -> int:
-        """Keeps a part."""
+        """Keeps a part until it is taken; returns its number of bytes."""
         self._parts.append(bytes(part))
         return len(part)
 

@@ -37,7 +37,7 @@ class Robustness:
     def __init__(
         self, signal: Callable[[str], FloatArray], step_length: float, count: int, *, beyond: float
     ) -> None:
-        """Prepares.
+        """Keeps the signals; nothing is computed yet.
 
         Args:
             signal: Returns the (n,) values of a signal; flags are 0 or 1.

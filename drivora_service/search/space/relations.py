@@ -42,7 +42,7 @@ class Relation(StrEnum):
     ONCOMING = "oncoming"
     """Comes in the opposite direction on the adjacent lane."""
     LEADING = "leading"
-    """Begins on the route, ahead of its start."""
+    """Starts on the route, ahead of the ego's start."""
     BESIDE = "beside"
     """Runs on a neighbouring lane of the same direction."""
     TRAILING = "trailing"

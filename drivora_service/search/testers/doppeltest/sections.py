@@ -90,7 +90,7 @@ class ActorSection:
                 self._clear(values, slot)
 
     def draw(self, space: GeneSpace, random: np.random.Generator) -> FloatArray:
-        """Draws an actor."""
+        """Returns the genes of an actor, drawn from a sample of the whole space."""
         return space.sample(random)[self.blocks[0].slice]
 
     def redraw(

@@ -24,7 +24,7 @@ class PreferenceSorting:
     """The best candidate of every objective first, the others by non-domination and crowding."""
 
     def select(self, objectives: FloatArray, count: int, random: np.random.Generator) -> IntArray:  # noqa: ARG002 - nothing is drawn
-        """Chooses from candidates."""
+        """Returns ``count`` rows, preferred ones first; again from the first if there are fewer."""
         preferred = preferred_rows(objectives)
         is_other = np.ones(len(objectives), dtype=np.bool_)
         is_other[preferred] = False

@@ -77,7 +77,7 @@ class RadialBasis:
         )
 
     def predict(self, features: FloatArray) -> FloatArray:
-        """Returns the objectives."""
+        """Returns the predicted objectives (q, m) of features (q, e)."""
         values = squared_distances(features, self.centres)
         values /= -self.width
         predicted: FloatArray = np.exp(values, out=values) @ self.coefficients
@@ -101,7 +101,7 @@ class Polynomial:
 
     @staticmethod
     def fit(features: FloatArray, objectives: FloatArray) -> Polynomial:
-        """Fits the coefficients."""
+        """Returns the polynomial whose coefficients fit features (n, e) and objectives (n, m)."""
         points = _centre_features(features)
         return Polynomial(
             points=points,
@@ -109,7 +109,7 @@ class Polynomial:
         )
 
     def predict(self, features: FloatArray) -> FloatArray:
-        """Returns the objectives."""
+        """Returns the predicted objectives (q, m) of features (q, e)."""
         predicted: FloatArray = (
             _products(_centre_features(features), self.points) @ self.coefficients
         )
@@ -155,7 +155,7 @@ class Kriging:
         )
 
     def predict(self, features: FloatArray) -> FloatArray:
-        """Returns the objectives."""
+        """Returns the predicted objectives (q, m) of features (q, e)."""
         return np.stack([latent.predict(features) for latent in self.latents], axis=1)
 
 

@@ -96,7 +96,7 @@ class SamotaSearch:
         )
 
     def run(self) -> Script:
-        """Searches without end."""
+        """Proposes the candidates of phase after phase and learns from them, without end."""
         generation = 0
         yield from self._simulate(self._propose_initial(self._parameters.initial, generation))
         while True:
