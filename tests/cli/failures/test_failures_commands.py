@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -14,15 +15,27 @@ from tests.cli.conftest import Drivora
 HIT = "collision|npc_obstacle, front|standing"
 
 
+@pytest.fixture(scope="module")
+def crashed_data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the first test leaves its data folder with a run that fails, for the others."""
+    return tmp_path_factory.mktemp("crashed") / "data"
+
+
 @pytest.fixture
-def crashed(drivora: Drivora, tmp_path: Path) -> dict[str, Any]:
-    """A run that fails, and its collision."""
-    file = tmp_path / "crash.json"
-    file.write_text(json.dumps(crash()))
-    run = drivora("run", file, "--json", "--workers", "1").json()
-    (failure,) = drivora("failures", "list", "--oracle", "collision", "--json").json()
-    assert failure["run_id"] == run["id"]
-    found: dict[str, Any] = failure
+def crashed(drivora: Drivora, tmp_path: Path, crashed_data: Path) -> dict[str, Any]:
+    """The collision of a run in the data folder of the test."""
+    data = tmp_path / "data"
+    if crashed_data.exists():
+        shutil.copytree(crashed_data, data)
+    else:
+        file = tmp_path / "crash.json"
+        file.write_text(json.dumps(crash()))
+        assert drivora("run", file, "--json", "--workers", "1").json()["status"] == "finished"
+        shutil.copytree(data, crashed_data)
+    (run,) = drivora("runs", "list", "--json").json()
+    found: dict[str, Any]
+    (found,) = drivora("failures", "list", "--oracle", "collision", "--json").json()
+    assert found["run_id"] == run["id"]
     return found
 
 
