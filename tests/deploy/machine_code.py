@@ -12,7 +12,10 @@ def copy_machine_code(package: Path, installed: Path) -> None:
     It is valid for files that have the same content and are as old.
     """
     for code in package.rglob("__pycache__/*.nb[ci]"):
-        shutil.copy(code, installed / code.relative_to(package).parent)
+        target = installed / code.relative_to(package)
+        # What is installed without bytecode has no such folder yet.
+        target.parent.mkdir(exist_ok=True)
+        shutil.copy(code, target)
     for source in package.rglob("*.py"):
         target = installed / source.relative_to(package)
         if target.is_file():

@@ -57,7 +57,7 @@ class GroupChangeList(Shape):
 
 
 class DecisionRequest(Schema):
-    """What somebody decides about a group; what is left out stays."""
+    """A decision about a group; what is left out stays."""
 
     status: GroupStatus | None = Field(None, description="Its status.")
     label: GroupLabel | None = Field(None, description="Its name; empty: told by its `names`.")
@@ -70,8 +70,8 @@ class DecisionRequest(Schema):
         None,
         ge=0,
         le=2**53,
-        description="That of the group as it was seen: refused with 409 if somebody has changed it "
-        "since. Without it, whatever it is.",
+        description="That of the group as it was seen: refused with 409 if it has changed since. "
+        "Without it, whatever it is.",
     )
 
 

@@ -75,7 +75,7 @@ def print_group(group: FailureGroup, changes: Sequence[GroupChange]) -> None:
     if group.note:
         typer.echo(group.note)
     for change in changes:
-        typer.echo(f"{_moment(change.at)} {change.by or 'somebody'}: {_describe_change(change)}")
+        typer.echo(f"{_moment(change.at)} {change.by or 'someone'}: {_describe_change(change)}")
 
 
 def _title(group: FailureGroup) -> str:

@@ -58,8 +58,8 @@ def minimize(
     """Searches the smallest scenario that fails in the same way as a run.
 
     The same way: the same oracle, ego, responsibility and avoidability, at the same place. Exits
-    with 1 if the budget ended before every single reduction was tried in vain, and with 3 if the
-    failure does not come again. After an interrupt the same command goes on where it was.
+    with 1 if the budget ended before all single reductions were tried without success, and with
+    3 if the failure does not come again. After an interrupt the same command goes on where it was.
     """
     is_file = out is not None and out.suffix == ".json"
     (check_file if is_file else check_folder)(out)

@@ -52,7 +52,7 @@ class FoundFailure(Shape):
         id: Grows with the time at which it was found.
         group_name: Oracle, relation of the other actor to the ego, and manoeuvre: the same on all
             road networks and in all campaigns.
-        group_id: Id of its group: that of its name, unless somebody has decided otherwise.
+        group_id: Id of its group: that of its name, unless a decision moved it to another.
         accountability: null if it was judged before this was recorded.
         campaign_id: Campaign that found it; empty for a run outside campaigns.
         evaluation: Number of its evaluation; null outside campaigns.

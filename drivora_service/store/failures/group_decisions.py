@@ -51,7 +51,7 @@ class DecisionRepository:
         known = find_row(self._session, wanted)
         now_at = known.revision if known else 0
         if revision is not None and now_at != revision:
-            who = (known and known.changed_by) or "somebody"
+            who = (known and known.changed_by) or "someone"
             raise Conflict(
                 f"{who} changed the group meanwhile: its revision is {now_at}, not {revision}; "
                 "read it again, and decide anew"

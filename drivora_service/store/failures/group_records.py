@@ -131,7 +131,7 @@ class ChangedPart(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroupChange(Shape):
-    """One thing that somebody has decided about a group.
+    """One decision about a group.
 
     Attributes:
         by: Who; empty if that is not known.

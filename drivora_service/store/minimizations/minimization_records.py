@@ -70,8 +70,8 @@ class MinimizationProgress(Shape):
         stage: What is being reduced, in one or two words.
         decided: Simulations that the search needed so far, which the budget limits. They are the
             same on any number of workers.
-        simulations: Simulations so far, those included that several workers made ahead of the
-            search in vain.
+        simulations: Simulations so far, including those that workers made ahead of the search
+            and that it did not need.
         simulation_s: Seconds that they took in the workers.
         before: The scenario as it was; null until its failure was reproduced.
         after: The smallest scenario so far.
@@ -128,8 +128,8 @@ class MinimizationSummary(Shape):
         stage: What is being reduced, in one or two words.
         decided: Simulations that the search needed so far, which the budget limits. They are the
             same on any number of workers.
-        simulations: Simulations so far, those included that several workers made ahead of the
-            search in vain.
+        simulations: Simulations so far, including those that workers made ahead of the search
+            and that it did not need.
         simulation_s: Seconds that they took in the workers.
         before: The scenario as it was; null until its failure was reproduced.
         after: The smallest scenario so far.

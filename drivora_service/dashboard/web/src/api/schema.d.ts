@@ -3046,7 +3046,7 @@ export interface components {
         };
         /**
          * DecisionRequest
-         * @description What somebody decides about a group; what is left out stays.
+         * @description A decision about a group; what is left out stays.
          */
         DecisionRequest: {
             /**
@@ -3072,7 +3072,7 @@ export interface components {
             note?: string | null;
             /**
              * Revision
-             * @description That of the group as it was seen: refused with 409 if somebody has changed it since. Without it, whatever it is.
+             * @description That of the group as it was seen: refused with 409 if it has changed since. Without it, whatever it is.
              */
             revision?: number | null;
             /** @description Its status. */
@@ -4005,7 +4005,7 @@ export interface components {
             found_at: string;
             /**
              * Group Id
-             * @description Id of its group: that of its name, unless somebody has decided otherwise.
+             * @description Id of its group: that of its name, unless a decision moved it to another.
              */
             group_id: string;
             /**
@@ -4163,7 +4163,7 @@ export interface components {
         GeneKind: "continuous" | "integer" | "category";
         /**
          * GroupChange
-         * @description One thing that somebody has decided about a group.
+         * @description One decision about a group.
          */
         GroupChange: {
             /**
@@ -4985,7 +4985,7 @@ export interface components {
             simulation_s: number;
             /**
              * Simulations
-             * @description Simulations so far, those included that several workers made ahead of the search in vain.
+             * @description Simulations so far, including those that workers made ahead of the search and that it did not need.
              */
             simulations: number;
             /**
@@ -5100,7 +5100,7 @@ export interface components {
             simulation_s: number;
             /**
              * Simulations
-             * @description Simulations so far, those included that several workers made ahead of the search in vain.
+             * @description Simulations so far, including those that workers made ahead of the search and that it did not need.
              */
             simulations: number;
             /**

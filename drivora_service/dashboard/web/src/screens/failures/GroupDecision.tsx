@@ -91,7 +91,7 @@ export function GroupDecision({ group }: { readonly group: Group }) {
         {group.is_back && maySubmit && <Mark {...lookOfGroup(group)} />}
         {group.changed_at && (
           <span className="quiet">
-            {group.changed_by || "somebody"}, {moment(group.changed_at)}
+            {group.changed_by || "someone"}, {moment(group.changed_at)}
           </span>
         )}
       </div>
@@ -199,7 +199,7 @@ function GroupHistory({ id, revision }: { readonly id: string; readonly revision
         {data.map((change, place) => (
           // biome-ignore lint/suspicious/noArrayIndexKey: the list only grows at its begin
           <li key={data.length - place}>
-            <span className="quiet">{moment(change.at)}</span> {change.by || "somebody"}:{" "}
+            <span className="quiet">{moment(change.at)}</span> {change.by || "someone"}:{" "}
             {changeWords(change)}
           </li>
         ))}

@@ -87,7 +87,7 @@ function Facts({ minimization }: { readonly minimization: Minimization }) {
           {run_id}
         </Link>
       </span>
-      <span title="The budget limits the simulations that the search needs. Several workers make some ahead of it in vain.">
+      <span title="The budget limits the simulations that the search needs. Workers make some ahead of it, which it may not need.">
         <Link to="/batches/$batchId" params={{ batchId: batch_id }}>
           {count(simulations)} simulations
         </Link>
