@@ -31,15 +31,29 @@ from drivora_service.agents.nmpc.problem import (
     BOX,
     BOXES,
     REFERENCE,
-    SIDES,
     STAGES,
     CarLimits,
+    ReferenceCol,
     problem_for,
 )
-from drivora_service.agents.nmpc.reference import lay_boxes, roll_out
-from drivora_service.agents.pdm_closed.forecast import STEPS, forecast, see_from_way
+from drivora_service.agents.nmpc.reference import (
+    Bounds,
+    PlaceCol,
+    PlanningCar,
+    PlanStart,
+    lay_boxes,
+    roll_out,
+)
+from drivora_service.agents.pdm_closed.forecast import (
+    STEPS,
+    FutureCol,
+    SeenCol,
+    forecast,
+    see_from_way,
+)
 from drivora_service.agents.pdm_closed.margins import side_margins
 from drivora_service.agents.pdm_closed.paths import LanePaths
+from drivora_service.agents.pdm_closed.proposals import SeenActors
 from drivora_service.agents.plugin import read_agent_parameters
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.networks.routes.line_tracking import track_line
@@ -73,8 +87,8 @@ class NmpcAgent:
         ]
         self._paths = LanePaths(context.network)
         self._max_braking = min(model.max_deceleration, 9.81 * context.friction)
-        self._car = np.array(
-            [self._half_length, self._half_width, self._max_braking, model.max_speed]
+        self._car = PlanningCar(
+            self._half_length, self._half_width, self._max_braking, model.max_speed
         )
         self._problem = problem_for(
             self._folder,
@@ -88,7 +102,7 @@ class NmpcAgent:
             self._parameters.max_iterations,
         )
         self._reference = np.zeros((STAGES + 1, REFERENCE))
-        self._places = np.zeros((STAGES + 1, 2 + SIDES))
+        self._places = np.zeros((STAGES + 1, len(PlaceCol)))
         self._boxes = np.zeros((STAGES + 1, BOXES, BOX))
         self._plan = LastPlan(context.step_length)
         self._asked = 0.0
@@ -106,7 +120,8 @@ class NmpcAgent:
         v = observation.speed
         start = np.array([0.0, 0.0, yaw, v, _limit_acceleration(self._asked, v), observation.steer])
         guess = self._plan.guess(start, reference, (x, y))
-        found = self._problem.solve(start, reference, self._places[:, 2:], boxes, *guess)
+        sides = self._places[:, PlaceCol.LEAST :]
+        found = self._problem.solve(start, reference, sides, boxes, *guess)
         row = self._log.row
         row[0], row[1] = float(found.solved), found.iterations
         row[3], row[4] = 0.0, halt_distance
@@ -119,7 +134,7 @@ class NmpcAgent:
                 self._log.event(f"no plan ({found.status}): brakes along the last one")
             steer = self._plan.go_on(v, observation.steer)
             asked, row[2] = -min(HARD_BRAKING, self._max_braking), 0.0
-        if v < STANDING_SPEED and self._reference[:, 3].max() < STANDING_SPEED:
+        if v < STANDING_SPEED and self._reference[:, ReferenceCol.SPEED].max() < STANDING_SPEED:
             asked = _HOLD
         self._asked = asked
         return AccelerationControl(asked, steer)
@@ -135,8 +150,8 @@ class NmpcAgent:
         watched = _find_watched(observation)
         objects, sizes = observation.objects[watched], observation.object_sizes[watched]
         kinds, ids = observation.object_kinds[watched], observation.object_ids[watched]
-        future = np.empty((STEPS + 1, len(objects), 4))
-        seen = np.empty((STEPS + 1, len(objects), 5))
+        future = np.empty((STEPS + 1, len(objects), len(FutureCol)))
+        seen = np.empty((STEPS + 1, len(objects), len(SeenCol)))
         spans = self._paths.spans(observation.step, objects, kinds, ids)
         forecast(objects, spans, self._paths.points, future)
         see_from_way(way.points, runs.cursor, sizes, future, seen)
@@ -154,10 +169,19 @@ class NmpcAgent:
         walkers = kinds == ObjectKind.WALKER
         step_in, pace, _ = find_ahead(Actors(objects[walkers], sizes[walkers], kinds[walkers]))
         roll_out(
-            v, self._asked, runs.cursor, s, lateral, s + self._half_length + halt_distance,
-            s + step_in, max(pace, 0.0), self._car, room, way.points, self._sides[runs.current],
-            seen, kinds, float(ego[Col.YAW]), self._reference, self._places,
-        )  # fmt: skip
+            PlanStart(v, self._asked, float(ego[Col.YAW]), runs.cursor, s, lateral),
+            self._car,
+            way.points,
+            Bounds(
+                stop=s + self._half_length + halt_distance,
+                walker_rear=s + step_in,
+                walker_speed=max(pace, 0.0),
+                sides=self._sides[runs.current],
+            ),
+            SeenActors(seen, kinds, room),
+            self._reference,
+            self._places,
+        )
         lay_boxes(self._reference, self._half_length, self._half_width, future, sizes, self._boxes)
         return halt_distance
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
@@ -27,14 +28,7 @@ STAGE_TIME = 0.2
 """Seconds: the horizon is 2.8 s."""
 STATES = 6
 INPUTS = 5
-REFERENCE = 8
-"""Parameters of a stage: x, y, heading, speed, acceleration and curvature of the reference, and how
-far beyond it the centre may go before a halt and behind a leader."""
-SIDES = 2
-"""Then the least and the largest offset to the left of the reference, metres."""
 BOXES = 4
-BOX = 5
-"""x, y, heading, half length and half width of the box that the car's centre must avoid."""
 MOST_JERK, HARDEST_JERK = 6.0, -30.0
 STEER_RATE = 0.6
 _FAR = 1e6
@@ -46,6 +40,41 @@ _SIDE_ACCELERATION, _JERK, _SIDE_JERK, _WHEEL = 0.1, 0.01, 0.02, 2.0
 _SLACK_LINEAR, _SLACK_SQUARE = (50.0, 5.0, 30.0), (100.0, 10.0, 100.0)
 _HEADWAY = 0.5
 """Minimum headway of the plan in seconds; that of the reference is larger."""
+
+
+class ReferenceCol(IntEnum):
+    """Columns of the reference of a stage, which are parameters of the problem."""
+
+    X = 0
+    Y = 1
+    YAW = 2
+    SPEED = 3
+    ACCELERATION = 4
+    CURVATURE = 5
+    TO_HALT = 6
+    """Metres beyond the reference that the centre may go before a halt."""
+    TO_LEADER = 7
+    """The same behind a leader."""
+
+
+class SideCol(IntEnum):
+    """Columns of the offsets to the left of the reference that are allowed, metres."""
+
+    LEAST = 0
+    LARGEST = 1
+
+
+class BoxCol(IntEnum):
+    """Columns of a box that the car's centre must avoid."""
+
+    X = 0
+    Y = 1
+    YAW = 2
+    HALF_LENGTH = 3
+    HALF_WIDTH = 4
+
+
+REFERENCE, SIDES, BOX = len(ReferenceCol), len(SideCol), len(BoxCol)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,9 +127,9 @@ class Problem:
 
         Args:
             start: (STATES,) the present state.
-            reference: (STAGES + 1, REFERENCE).
-            sides: (STAGES + 1, SIDES) least and largest offset to the left, metres.
-            boxes: (STAGES + 1, BOXES, BOX).
+            reference: (STAGES + 1, REFERENCE), columns ``ReferenceCol``.
+            sides: (STAGES + 1, SIDES), columns ``SideCol``.
+            boxes: (STAGES + 1, BOXES, BOX), columns ``BoxCol``.
             states: (STAGES + 1, STATES) guess.
             inputs: (STAGES, INPUTS) guess.
         """

@@ -7,17 +7,23 @@ the forecast predicts ahead. Frame: the network's plane; arc lengths are those o
 from __future__ import annotations
 
 import math
+from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
 from drivora_service.agents.idm.car_following import MAX_ACCELERATION, halt
 from drivora_service.agents.idm.driving import BRAKING_JERK, DRIVING_JERK
 from drivora_service.agents.idm.right_of_way import HARD_BRAKING
-from drivora_service.agents.nmpc.problem import BOXES, STAGE_TIME
-from drivora_service.agents.pdm_closed.proposals import accelerate
+from drivora_service.agents.idm.run_following import WayCol
+from drivora_service.agents.interface import ObjectKind
+from drivora_service.agents.nmpc.problem import BOXES, STAGE_TIME, BoxCol, ReferenceCol, SideCol
+from drivora_service.agents.pdm_closed.forecast import FutureCol, SeenCol
+from drivora_service.agents.pdm_closed.proposals import SeenActors, accelerate
 from drivora_service.compilation import compiled
-from drivora_service.geometry.array_shapes import FloatArray, IntArray
+from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.kernels import wrap_to_pi
+from drivora_service.observations.trace import SizeCol
 
 FORECASTS_A_STAGE = 2
 _FAR = 1e3
@@ -34,95 +40,142 @@ _BOX_ROOM_AHEAD, _BOX_ROOM_ASIDE = 0.6, 0.25
 _WATCHED = 12.0
 
 
+class PlaceCol(IntEnum):
+    """Columns of the places of the reference on its way, metres."""
+
+    ARC = 0
+    SIDE = 1
+    """To the left."""
+    LEAST = 2
+    """The first of the columns ``SideCol``, relative to the reference."""
+    LARGEST = 3
+
+
+class PlanningCar(NamedTuple):
+    """The car of an ego, as it is planned for: metres, m/s² and m/s."""
+
+    half_length: float
+    half_width: float
+    max_braking: float
+    max_speed: float
+
+
+class PlanStart(NamedTuple):
+    """Where a plan begins.
+
+    Attributes:
+        speed: m/s.
+        acceleration: The last commanded one, m/s².
+        heading: Of the ego.
+        cursor: Segment of the way.
+        s: Arc length on it.
+        lateral: Metres to its left.
+    """
+
+    speed: float
+    acceleration: float
+    heading: float
+    cursor: int
+    s: float
+    lateral: float
+
+
+class Bounds(NamedTuple):
+    """What ends a plan's way.
+
+    Attributes:
+        stop: Arc length at which the front bumper must halt; inf without a halt.
+        walker_rear: Arc length before which it must stay for a walker that may step into its way;
+            inf without one.
+        walker_speed: The walker's speed along the way, m/s.
+        sides: (n, 2) columns ``SideCol``, at each point of the way.
+    """
+
+    stop: float
+    walker_rear: float
+    walker_speed: float
+    sides: FloatArray
+
+
 @compiled
 def roll_out(
-    v: float,
-    acceleration: float,
-    cursor: int,
-    s: float,
-    lateral: float,
-    stop: float,
-    walker_rear: float,
-    walker_speed: float,
-    car: FloatArray,
-    side_room: float,
+    start: PlanStart,
+    car: PlanningCar,
     way: FloatArray,
-    sides: FloatArray,
-    seen: FloatArray,
-    kinds: IntArray,
-    heading: float,
+    bounds: Bounds,
+    others: SeenActors,
     reference: FloatArray,
     places: FloatArray,
 ) -> None:
     """Fills in the reference.
 
     Args:
-        v, acceleration, heading: State of the ego; the acceleration is its last command.
-        cursor, s, lateral: Its place on the way.
-        stop: Arc length at which its front bumper must halt; inf without a halt.
-        walker_rear, walker_speed: Arc length before which it must stay for a walker that may step
-            into its way, and the walker's speed along it; inf without one.
-        car: (4,) half length, half width, hardest braking, and top speed.
-        side_room: Metres to keep to actors beside it.
-        way: (n, 4) x, y, arc length and desired speed.
-        sides: (n, 2) least and largest offset at each of its points.
-        seen: (K, m, 5) the others, as ``forecast.see_from_way`` fills it.
-        kinds: (m,) their kinds.
-        reference: (S, 8) filled, as in ``problem.REFERENCE``, with x and y of the network.
-        places: (S, 4) filled: arc length, offset, least and largest offset.
+        start: The ego's state, and its place on the way.
+        car: The ego's.
+        way: (n, 4) columns ``WayCol``.
+        bounds: What ends the way, and its sides.
+        others: The actors that the forecast predicts.
+        reference: (S, 8) filled, columns ``ReferenceCol``, with x and y of the network.
+        places: (S, 4) filled, columns ``PlaceCol``.
     """
-    half_length, max_braking, top = car[0], car[2], car[3]
-    speed, pull, at, along = v, acceleration, cursor, s
-    rate = min(_SIDE_SPEED, _SIDE_SHARE * v)
-    last_yaw, last_along = heading, s
+    s, lateral, stop, sides = start.s, start.lateral, bounds.stop, bounds.sides
+    walker_rear, walker_speed = bounds.walker_rear, bounds.walker_speed
+    speed, pull, at, along = start.speed, start.acceleration, start.cursor, s
+    rate = min(_SIDE_SPEED, _SIDE_SHARE * start.speed)
+    last_yaw, last_along = start.heading, s
     for k in range(reference.shape[0]):
         t = k * STAGE_TIME
-        while at < way.shape[0] - 2 and way[at + 1, 2] < along:
+        while at < way.shape[0] - 2 and way[at + 1, WayCol.ARC] < along:
             at += 1
         aside = math.copysign(max(abs(lateral) - rate * t, 0.0), lateral)
-        ux, uy = way[at + 1, 0] - way[at, 0], way[at + 1, 1] - way[at, 1]
+        x, y = way[at, WayCol.X], way[at, WayCol.Y]
+        next_x, next_y = way[at + 1, WayCol.X], way[at + 1, WayCol.Y]
+        ux, uy = next_x - x, next_y - y
         span = max(math.hypot(ux, uy), 1e-9)
         ux, uy = ux / span, uy / span
-        past = along - way[at, 2]
+        past = along - way[at, WayCol.ARC]
         yaw = math.atan2(uy, ux)
         if at + 2 < way.shape[0]:
             # Headings are interpolated within a segment, else each corner of the line would be a
             # jerk.
-            ahead = math.atan2(way[at + 2, 1] - way[at + 1, 1], way[at + 2, 0] - way[at + 1, 0])
+            ahead = math.atan2(way[at + 2, WayCol.Y] - next_y, way[at + 2, WayCol.X] - next_x)
             yaw += 0.5 * min(past / span, 1.0) * wrap_to_pi(ahead - yaw)
         yaw = last_yaw + wrap_to_pi(yaw - last_yaw)
         row, place = reference[k], places[k]
-        low, high = sides[at, 0], sides[at, 1]
+        low, high = sides[at, SideCol.LEAST], sides[at, SideCol.LARGEST]
         rear, other = _leader(
-            along, s, aside, abs(lateral) > _CHANGING, low, high, car, side_room,
-            seen[0], seen[FORECASTS_A_STAGE * k], kinds,
+            along, s, aside, abs(lateral) > _CHANGING, low, high, car, others,
+            FORECASTS_A_STAGE * k,
         )  # fmt: skip
         if walker_rear + walker_speed * t < rear:
             rear, other = walker_rear + walker_speed * t, walker_speed
-        wanted = way[at, 3]
-        asked = accelerate(speed, wanted, rear - along, other, max_braking)
+        wanted = way[at, WayCol.WANTED]
+        asked = accelerate(speed, wanted, rear - along, other, car.max_braking)
         if stop < np.inf:
-            asked = min(
-                asked, halt(speed, max(wanted, 1.0), stop - along - half_length, max_braking)
-            )
+            left = stop - along - car.half_length
+            asked = min(asked, halt(speed, max(wanted, 1.0), left, car.max_braking))
         asked = min(asked, MAX_ACCELERATION)
         if asked > -HARD_BRAKING:
             calm = max(asked, pull - BRAKING_JERK * STAGE_TIME)
             asked = min(calm, pull + DRIVING_JERK * STAGE_TIME)
-        row[0], row[1] = way[at, 0] + past * ux - aside * uy, way[at, 1] + past * uy + aside * ux
-        row[2], row[3], row[4] = yaw, speed, asked
-        row[5] = (yaw - last_yaw) / max(along - last_along, 0.5) if k else 0.0
-        row[6] = min(stop - half_length - along, _FAR)
-        row[7] = min(rear - _GAP - along, _FAR)
-        place[0], place[1] = along, aside
+        row[ReferenceCol.X] = x + past * ux - aside * uy
+        row[ReferenceCol.Y] = y + past * uy + aside * ux
+        row[ReferenceCol.YAW], row[ReferenceCol.SPEED] = yaw, speed
+        row[ReferenceCol.ACCELERATION] = asked
+        turned = (yaw - last_yaw) / max(along - last_along, 0.5)
+        row[ReferenceCol.CURVATURE] = turned if k else 0.0
+        row[ReferenceCol.TO_HALT] = min(stop - car.half_length - along, _FAR)
+        row[ReferenceCol.TO_LEADER] = min(rear - _GAP - along, _FAR)
+        place[PlaceCol.ARC], place[PlaceCol.SIDE] = along, aside
         # A car beyond a side, as in a lane change, only has to return to it.
-        place[2], place[3] = min(low - aside, 0.0), max(high - aside, 0.0)
+        place[PlaceCol.LEAST] = min(low - aside, 0.0)
+        place[PlaceCol.LARGEST] = max(high - aside, 0.0)
         last_yaw, last_along = yaw, along
         pull = asked
-        after = min(max(speed + pull * STAGE_TIME, 0.0), top)
+        after = min(max(speed + pull * STAGE_TIME, 0.0), car.max_speed)
         along += 0.5 * (speed + after) * STAGE_TIME
         speed = after
-    reference[0, 5] = reference[1, 5]
+    reference[0, ReferenceCol.CURVATURE] = reference[1, ReferenceCol.CURVATURE]
 
 
 @compiled
@@ -133,32 +186,33 @@ def _leader(
     changing: bool,
     low: float,
     high: float,
-    car: FloatArray,
-    side_room: float,
-    first: FloatArray,
-    seen: FloatArray,
-    kinds: IntArray,
+    car: PlanningCar,
+    others: SeenActors,
+    step: int,
 ) -> tuple[float, float]:
     """Returns the arc length before which the centre must stay at a stage, and its speed.
 
     Actors that can be passed within the lane are handled by the boxes.
     """
     rear, other = np.inf, 0.0
+    first, seen, half_length = others.states[0], others.states[step], car.half_length
     for j in range(seen.shape[0]):
-        at, side, extent, across = seen[j, 0], seen[j, 1], seen[j, 2], seen[j, 3]
-        if side == np.inf or at + extent < along - car[0]:
+        at, side, speed = seen[j, SeenCol.ARC], seen[j, SeenCol.SIDE], seen[j, SeenCol.SPEED]
+        extent, across = seen[j, SeenCol.HALF_LENGTH], seen[j, SeenCol.HALF_WIDTH]
+        if side == np.inf or at + extent < along - half_length:
             continue
-        if first[j, 1] != np.inf and first[j, 0] + first[j, 2] < s - 0.5 * car[0]:
+        front = first[j, SeenCol.ARC] + first[j, SeenCol.HALF_LENGTH]
+        if first[j, SeenCol.SIDE] != np.inf and front < s - 0.5 * half_length:
             # Beside or behind the ego: keeping the line suffices.
             continue
-        reach = car[1] + across + side_room
-        if kinds[j] == 1:
+        reach = car.half_width + across + others.room
+        if others.kinds[j] == ObjectKind.WALKER:
             reach += _WALKER_ROOM
         passable = side + reach <= high or side - reach >= low
         if passable and not (changing and abs(side - aside) < reach):
             continue
-        if at - extent - car[0] < rear:
-            rear, other = at - extent - car[0], max(seen[j, 4], 0.0)
+        if at - extent - half_length < rear:
+            rear, other = at - extent - half_length, max(speed, 0.0)
     return rear, other
 
 
@@ -174,19 +228,21 @@ def lay_boxes(
     """Fills in the boxes to avoid: those nearest to the reference.
 
     Args:
-        reference: (S, 8).
+        reference: (S, 8) columns ``ReferenceCol``.
         half_length, half_width: Of the ego, metres.
-        future: (K, m, 4) x, y, heading, speed, as ``forecast`` fills it.
-        sizes: (m, 2) metres.
-        boxes: (S, BOXES, 5) filled; unused ones are far away.
+        future: (K, m, 4) columns ``FutureCol``, as ``forecast`` fills it.
+        sizes: (m, 2) columns ``SizeCol``.
+        boxes: (S, BOXES, 5) filled, columns ``BoxCol``; unused ones are far away.
     """
     stages, count = reference.shape[0], sizes.shape[0]
     near = np.full(count, np.inf)
     for j in range(count):
         for k in range(stages):
             there = future[FORECASTS_A_STAGE * k, j]
-            gap = math.hypot(there[0] - reference[k, 0], there[1] - reference[k, 1])
-            near[j] = min(near[j], gap - half_length - 0.5 * sizes[j, 0])
+            dx = there[FutureCol.X] - reference[k, ReferenceCol.X]
+            dy = there[FutureCol.Y] - reference[k, ReferenceCol.Y]
+            gap = math.hypot(dx, dy) - half_length - 0.5 * sizes[j, SizeCol.LENGTH]
+            near[j] = min(near[j], gap)
     for number in range(BOXES):
         best = -1
         for j in range(count):
@@ -195,14 +251,17 @@ def lay_boxes(
         for k in range(stages):
             box = boxes[k, number]
             if best < 0:
-                box[0], box[1], box[2] = reference[k, 0] + 100.0, reference[k, 1], 0.0
-                box[3], box[4] = 5.0, 5.0
+                box[BoxCol.X] = reference[k, ReferenceCol.X] + 100.0
+                box[BoxCol.Y], box[BoxCol.YAW] = reference[k, ReferenceCol.Y], 0.0
+                box[BoxCol.HALF_LENGTH], box[BoxCol.HALF_WIDTH] = 5.0, 5.0
                 continue
             there = future[FORECASTS_A_STAGE * k, best]
-            turned = there[2] - reference[k, 2]
+            turned = there[FutureCol.YAW] - reference[k, ReferenceCol.YAW]
             cos, sin = abs(math.cos(turned)), abs(math.sin(turned))
-            box[0], box[1], box[2] = there[0], there[1], there[2]
-            box[3] = 0.5 * sizes[best, 0] + cos * half_length + sin * half_width + _BOX_ROOM_AHEAD
-            box[4] = 0.5 * sizes[best, 1] + sin * half_length + cos * half_width + _BOX_ROOM_ASIDE
+            box[BoxCol.X], box[BoxCol.Y] = there[FutureCol.X], there[FutureCol.Y]
+            box[BoxCol.YAW] = there[FutureCol.YAW]
+            half, across = 0.5 * sizes[best, SizeCol.LENGTH], 0.5 * sizes[best, SizeCol.WIDTH]
+            box[BoxCol.HALF_LENGTH] = half + cos * half_length + sin * half_width + _BOX_ROOM_AHEAD
+            box[BoxCol.HALF_WIDTH] = across + sin * half_length + cos * half_width + _BOX_ROOM_ASIDE
         if best >= 0:
             near[best] = np.inf

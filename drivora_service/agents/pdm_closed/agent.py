@@ -14,12 +14,26 @@ from drivora_service.agents.idm.corridor import SIDE_ROOM, TIGHT_ROOM, Actors, g
 from drivora_service.agents.idm.right_of_way import HARD_BRAKING, PATIENCE, find_halts, next_signal
 from drivora_service.agents.idm.run_following import RunFollower, WayCol
 from drivora_service.agents.interface import AccelerationControl, AgentContext, Observation
-from drivora_service.agents.pdm_closed.forecast import STEP, STEPS, forecast, see_from_way
-from drivora_service.agents.pdm_closed.margins import side_margins
+from drivora_service.agents.pdm_closed.forecast import (
+    STEP,
+    STEPS,
+    FutureCol,
+    SeenCol,
+    forecast,
+    see_from_way,
+)
+from drivora_service.agents.pdm_closed.margins import MarginCol, side_margins
 from drivora_service.agents.pdm_closed.parameters import PdmParameters
 from drivora_service.agents.pdm_closed.paths import LanePaths
-from drivora_service.agents.pdm_closed.proposals import propose
-from drivora_service.agents.pdm_closed.scoring import score
+from drivora_service.agents.pdm_closed.proposals import (
+    Choices,
+    ProposalCol,
+    ProposingCar,
+    SeenActors,
+    Start,
+    propose,
+)
+from drivora_service.agents.pdm_closed.scoring import ScoreCol, score
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.routes.line_tracking import track_line
 from drivora_service.observations.trace import Col
@@ -51,20 +65,23 @@ class PdmClosedAgent:
         self._margins = [side_margins(context.network, way.run) for way in self._runs.ways]
         self._paths = LanePaths(context.network)
         self._half_length, self._half_width = 0.5 * model.length, 0.5 * model.width
-        self._grip = 9.81 * context.friction
-        self._max_braking = min(model.max_deceleration, self._grip)
-        self._car = np.array(
-            [
-                self._half_length, self._half_width, model.wheelbase, self._max_braking,
-                model.max_steer, model.max_speed,
-            ]
-        )  # fmt: skip
+        grip = 9.81 * context.friction
+        self._max_braking = min(model.max_deceleration, grip)
+        self._car = ProposingCar(
+            half_length=self._half_length,
+            half_width=self._half_width,
+            wheelbase=model.wheelbase,
+            max_braking=self._max_braking,
+            max_steer=model.max_steer,
+            max_speed=model.max_speed,
+            grip=grip,
+        )
         self._offsets = np.zeros(3)
         self._factors = np.array(FACTORS)
         self._stops = np.empty(len(FACTORS))
         count = len(self._offsets) * len(FACTORS)
-        self._proposed = np.zeros((count, STEPS + 1, 8))
-        self._found = np.zeros((count, 5))
+        self._proposed = np.zeros((count, STEPS + 1, len(ProposalCol)))
+        self._found = np.zeros((count, len(ScoreCol)))
         self._chosen = 0
         self._asked = 0.0
         self._share = min(context.step_length / STEP, 1.0)
@@ -83,8 +100,8 @@ class PdmClosedAgent:
         watched = self._find_watched(observation)
         objects, sizes = observation.objects[watched], observation.object_sizes[watched]
         kinds, ids = observation.object_kinds[watched], observation.object_ids[watched]
-        future = np.empty((STEPS + 1, len(objects), 4))
-        seen = np.empty((STEPS + 1, len(objects), 5))
+        future = np.empty((STEPS + 1, len(objects), len(FutureCol)))
+        seen = np.empty((STEPS + 1, len(objects), len(SeenCol)))
         forecast(
             objects, self._paths.spans(observation.step, objects, kinds, ids),
             self._paths.points, future,
@@ -93,11 +110,11 @@ class PdmClosedAgent:
         room = SIDE_ROOM if runs.waited < PATIENCE else TIGHT_ROOM
         self._find_stops(observation, objects, sizes, kinds, s, room)
         self._find_offsets()
+        start = Start(ego.copy(), v, self._asked, observation.steer, runs.cursor, s, lateral)
+        choices = Choices(self._offsets, self._factors, self._stops)
         propose(
-            ego.copy(), v, self._asked, observation.steer, self._car, self._grip,
-            way.points, runs.cursor, s, lateral, self._offsets, self._factors, self._stops, room,
-            seen, kinds, self._proposed,
-        )  # fmt: skip
+            start, self._car, way.points, choices, SeenActors(seen, kinds, room), self._proposed
+        )
         score(
             self._proposed, self._asked, self._half_length, self._half_width,
             way.points, self._margins[runs.current], future, sizes, self._found,
@@ -118,7 +135,7 @@ class PdmClosedAgent:
         """Fills in the offsets to each side that the road ahead allows."""
         cursor, half_width = self._runs.cursor, self._half_width
         ahead = self._margins[self._runs.current][cursor : cursor + _ROAD_AHEAD]
-        left, right = ahead[:, :2].min(axis=0).tolist()
+        left, right = ahead[:, : MarginCol.ONCOMING].min(axis=0).tolist()
         side = self._parameters.offset
         self._offsets[1] = min(side, max(left - half_width - _EDGE_ROOM, 0.0))
         self._offsets[2] = -min(side, max(right - half_width - _EDGE_ROOM, 0.0))
@@ -153,23 +170,25 @@ class PdmClosedAgent:
         """Chooses a proposal and returns its first control."""
         found, factors = self._found, len(FACTORS)
         beside = np.arange(len(found)) // factors
-        merit = found[:, 0] - _OFFSET_COST * (beside > 0)
+        merit = found[:, ScoreCol.SCORE] - _OFFSET_COST * (beside > 0)
         merit -= _CHANGE_COST * (beside != self._chosen // factors)
-        if found[:, 0].max() <= 0.0:
+        if found[:, ScoreCol.SCORE].max() <= 0.0:
             # All are bad: the one that is good for longest; if all collide, the slowest.
-            collides = bool(np.isfinite(found[:, 1]).all())
-            merit += np.minimum(found[:, 1], 10.0) + (-1e-3 if collides else 1e-3) * found[:, 2]
+            collisions = found[:, ScoreCol.COLLISION_TIME]
+            share = -1e-3 if np.isfinite(collisions).all() else 1e-3
+            merit += np.minimum(collisions, 10.0) + share * found[:, ScoreCol.PROGRESS]
         best = int(np.argmax(merit))
         self._chosen = best
-        _, _, _, _, asked, steer, _, _ = self._proposed[best, 0].tolist()
+        first = self._proposed[best, 0].tolist()
+        asked, steer = first[ProposalCol.ACCELERATION], first[ProposalCol.STEER]
         before = self._asked
         # A proposal's steps are longer than the agent's; except for emergency braking.
         self._asked = asked if asked < -HARD_BRAKING else before + self._share * (asked - before)
-        if found[best, 1] <= self._parameters.brake_within:
+        if found[best, ScoreCol.COLLISION_TIME] <= self._parameters.brake_within:
             self._asked = -min(self._parameters.emergency_braking, self._max_braking)
-        self._log.plan(self._proposed[best, :, :2])
+        self._log.plan(self._proposed[best, :, : ProposalCol.YAW])
         row = self._log.row
         row[0], row[1] = self._offsets[best // factors], FACTORS[best % factors]
-        row[2] = found[best, 0]
-        row[3], row[4] = found[best, 1], self._stops[best % factors] - s - self._half_length
+        row[2], row[3] = found[best, ScoreCol.SCORE], found[best, ScoreCol.COLLISION_TIME]
+        row[4] = self._stops[best % factors] - s - self._half_length
         return AccelerationControl(self._asked, steer)

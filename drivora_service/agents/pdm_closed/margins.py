@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from functools import lru_cache
 
 import numpy as np
@@ -17,27 +18,35 @@ _EVERY = 2
 """Interval of the checked points of a run's line."""
 
 
+class MarginCol(IntEnum):
+    """Columns of the room beside a line, metres."""
+
+    LEFT = 0
+    """To the edge of the drivable area; inf if it is far."""
+    RIGHT = 1
+    ONCOMING = 2
+    """To the left edge of the lanes of this direction; inf inside a junction."""
+
+
 @lru_cache(maxsize=256)
 def side_margins(network: RoadNetwork, run: LaneRun) -> FloatArray:
     """Returns the room beside a run's line; must not be changed.
 
     Returns:
-        (n, 3) metres from each point of the line: to the edge of the drivable area on the left and
-        on the right (inf if it is far), and to the left edge of the lanes of this direction (inf
-        inside a junction).
+        (n, 3) metres from each point of the line, columns ``MarginCol``.
     """
     points = run.line[::_EVERY]
     step = np.gradient(run.line, axis=0)[::_EVERY]
     normal = np.column_stack((-step[:, 1], step[:, 0]))
     normal /= np.maximum(np.hypot(normal[:, 0], normal[:, 1]), 1e-9)[:, None]
     margins = np.empty((len(run.line), 3))
-    for column, sign in ((0, 1.0), (1, -1.0)):
+    for column, sign in ((MarginCol.LEFT, 1.0), (MarginCol.RIGHT, -1.0)):
         spread = points[:, None, :] + sign * _SAMPLES[None, :, None] * normal[:, None, :]
         inside = near_area(network, spread.reshape(-1, 2), 0.0).reshape(len(points), -1)
         first = np.where(inside.all(axis=1), len(_SAMPLES), np.argmin(inside, axis=1))
         reach = np.append(_SAMPLES - 0.125, np.inf)[first]
         margins[:, column] = np.repeat(reach, _EVERY)[: len(margins)]
-    margins[:, 2] = _to_oncoming(network, run)
+    margins[:, MarginCol.ONCOMING] = _to_oncoming(network, run)
     return margins
 
 

@@ -7,6 +7,8 @@ by pure pursuit along the centre line shifted sideways, on a kinematic bicycle.
 from __future__ import annotations
 
 import math
+from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,10 +22,13 @@ from drivora_service.agents.idm.car_following import (
 from drivora_service.agents.idm.driving import BRAKING_JERK, DRIVING_JERK
 from drivora_service.agents.idm.pure_pursuit import point_at, preview, steer_at
 from drivora_service.agents.idm.right_of_way import HARD_BRAKING
-from drivora_service.agents.pdm_closed.forecast import STEP
+from drivora_service.agents.idm.run_following import WayCol
+from drivora_service.agents.interface import ObjectKind
+from drivora_service.agents.pdm_closed.forecast import STEP, SeenCol
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.networks.routes.line_tracking import track_line
+from drivora_service.observations.trace import Col
 
 _STEER_RATE = 0.7
 _SHIFT_TIME = 2.0
@@ -36,6 +41,110 @@ _PASSING_ROOM = 3.0
 ego cannot pass them."""
 _AT_THE_SIDE = 0.8
 _STANDING = 0.3
+
+
+class ProposalCol(IntEnum):
+    """Columns of the states of a proposal."""
+
+    X = 0
+    Y = 1
+    YAW = 2
+    SPEED = 3
+    ACCELERATION = 4
+    STEER = 5
+    """Desired angle of the front wheels."""
+    ARC = 6
+    """Arc length on the way."""
+    SIDE = 7
+    """Metres to the left of the way."""
+
+
+class ProposingCar(NamedTuple):
+    """The car of an ego, as it is simulated.
+
+    Attributes:
+        half_length: Metres.
+        half_width: Metres.
+        wheelbase: Metres.
+        max_braking: Hardest braking, m/s².
+        max_steer: Largest angle of the front wheels.
+        max_speed: m/s.
+        grip: Of the tyres, m/s².
+    """
+
+    half_length: float
+    half_width: float
+    wheelbase: float
+    max_braking: float
+    max_steer: float
+    max_speed: float
+    grip: float
+
+
+class Start(NamedTuple):
+    """Where proposals begin.
+
+    Attributes:
+        ego: (9,) the ego's state, columns ``Col``.
+        speed: m/s.
+        acceleration: The last commanded one, m/s².
+        steer: Angle of the front wheels.
+        cursor: Segment of the way.
+        s: Arc length on it.
+        lateral: Metres to its left.
+    """
+
+    ego: FloatArray
+    speed: float
+    acceleration: float
+    steer: float
+    cursor: int
+    s: float
+    lateral: float
+
+
+class Choices(NamedTuple):
+    """What proposals differ in.
+
+    Attributes:
+        offsets: (O,) metres to the left.
+        factors: (F,) shares of the desired speed.
+        stops: (F,) arc length on the way at which the front bumper must halt; inf without a halt.
+    """
+
+    offsets: FloatArray
+    factors: FloatArray
+    stops: FloatArray
+
+
+class SeenActors(NamedTuple):
+    """The other actors at each step.
+
+    Attributes:
+        states: (K, n, 5) columns ``SeenCol``, as filled by ``see_from_way``.
+        kinds: (n,) their kinds.
+        room: Metres to keep to those beside the path.
+    """
+
+    states: FloatArray
+    kinds: IntArray
+    room: float
+
+
+class SidewaysPath(NamedTuple):
+    """A path that moves from one offset to another.
+
+    Attributes:
+        begin: Arc length at which it does.
+        length: Metres that it takes.
+        start: Offset before, metres to the left.
+        end: Offset after.
+    """
+
+    begin: float
+    length: float
+    start: float
+    end: float
 
 
 @compiled
@@ -53,105 +162,81 @@ def accelerate(v: float, wanted: float, gap: float, other: float, max_braking: f
 
 
 @compiled
-def _offset_at(s: float, begin: float, length: float, start: float, end: float) -> float:
-    """Returns the offset of a path that moves from one offset to another."""
-    share = min(max((s - begin) / length, 0.0), 1.0)
-    return start + share * (end - start)
+def _offset_at(path: SidewaysPath, s: float) -> float:
+    """Returns the offset of a path at an arc length."""
+    share = min(max((s - path.begin) / path.length, 0.0), 1.0)
+    return path.start + share * (path.end - path.start)
 
 
 @compiled
 def _next_ahead(
-    s: float,
-    begin: float,
-    length: float,
-    start: float,
-    end: float,
-    half_length: float,
-    half_width: float,
-    room: float,
-    seen: FloatArray,
-    kinds: IntArray,
+    s: float, path: SidewaysPath, car: ProposingCar, others: SeenActors, step: int
 ) -> tuple[float, float]:
-    """Returns gap and speed of the next actor ahead on a path that moves sideways."""
+    """Returns gap and speed of the next actor ahead on a path, at a step."""
     gap, other = np.inf, 0.0
+    half_length, half_width, room = car.half_length, car.half_width, others.room
+    seen = others.states[step]
     for j in range(seen.shape[0]):
-        at, side, extent, across = seen[j, 0], seen[j, 1], seen[j, 2], seen[j, 3]
+        at, side, speed = seen[j, SeenCol.ARC], seen[j, SeenCol.SIDE], seen[j, SeenCol.SPEED]
+        extent, across = seen[j, SeenCol.HALF_LENGTH], seen[j, SeenCol.HALF_WIDTH]
+        kind = others.kinds[j]
         if at - s < -half_length or at - s > 120.0 or side == np.inf:
             continue
-        one = _offset_at(max(at - extent - half_length, s), begin, length, start, end)
-        two = _offset_at(at + extent, begin, length, start, end)
-        reach = half_width + across + (room + _WALKER_ROOM if kinds[j] == 1 else room)
+        one = _offset_at(path, max(at - extent - half_length, s))
+        two = _offset_at(path, at + extent)
+        reach = half_width + across + (room + _WALKER_ROOM if kind == ObjectKind.WALKER else room)
         if side > max(one, two) + reach or side < min(one, two) - reach:
             continue
         there = at - extent - s - half_length
-        if there < -0.5 * half_length and kinds[j] == 0:
+        if there < -0.5 * half_length and kind == ObjectKind.VEHICLE:
             # Beside the ego: keeping the line suffices.
             continue
-        if abs(side) > _AT_THE_SIDE and kinds[j] != 1 and abs(seen[j, 4]) < _STANDING:
+        if abs(side) > _AT_THE_SIDE and kind != ObjectKind.WALKER and abs(speed) < _STANDING:
             there -= _PASSING_ROOM
         if there < gap:
-            gap, other = there, seen[j, 4]
+            gap, other = there, speed
     return gap, other
 
 
 @compiled
 def propose(
-    ego: FloatArray,
-    v: float,
-    acceleration: float,
-    steer: float,
-    car: FloatArray,
-    grip: float,
+    start: Start,
+    car: ProposingCar,
     way: FloatArray,
-    cursor: int,
-    s: float,
-    lateral: float,
-    offsets: FloatArray,
-    factors: FloatArray,
-    stops: FloatArray,
-    room: float,
-    seen: FloatArray,
-    kinds: IntArray,
+    choices: Choices,
+    others: SeenActors,
     out: FloatArray,
 ) -> None:
     """Simulates all proposals, offset by offset.
 
     Args:
-        ego: (9,) the ego's state.
-        v, acceleration, steer: Its speed, its last commanded acceleration, and front-wheel angle.
-        car: (6,) half length, half width and wheelbase in metres, hardest braking in m/s², largest
-            front-wheel angle, and the top speed in m/s.
-        grip: Grip of the tyres, m/s².
-        way: (n, 4) x, y, arc length and desired speed.
-        cursor, s, lateral: The ego's place on it.
-        offsets: (O,) metres to the left.
-        factors: (F,) shares of the desired speed.
-        stops: (F,) arc length on the way at which the front bumper must halt; inf without a halt.
-        room: Metres to keep to actors beside the path.
-        seen: (K, n, 5) the others, as filled by ``see_from_way``.
-        kinds: (n,) their kinds.
-        out: (O * F, K, 8) filled: x, y, heading, speed, acceleration, desired front-wheel angle,
-            arc length and metres to the left.
+        start: The ego's state and place.
+        car: The ego's.
+        way: (n, 4) columns ``WayCol``.
+        choices: Offsets and speeds; their O * F pairs are the proposals.
+        others: The actors that the forecast predicts.
+        out: (O * F, K, 8) filled, columns ``ProposalCol``.
     """
-    half_length, half_width, wheelbase, max_braking = car[0], car[1], car[2], car[3]
-    line, arc = way[:, :2], way[:, 2]
+    wheelbase, max_braking = car.wheelbase, car.max_braking
+    offsets, factors, stops = choices.offsets, choices.factors, choices.stops
+    v, s, lateral = start.speed, start.s, start.lateral
+    line, arc = way[:, : WayCol.ARC], way[:, WayCol.ARC]
     for p in range(out.shape[0]):
         offset = offsets[p // factors.shape[0]]
         factor = factors[p % factors.shape[0]]
         stop = stops[p % factors.shape[0]]
         # Small errors are corrected over a short distance, else bends are not followed.
         length = max(_LEAST_SHIFT, _SHIFT_TIME * v) * min(max(abs(offset - lateral), 0.1), 1.0)
-        x, y, yaw = ego[0], ego[1], ego[2]
-        speed, pull, wheel = v, acceleration, steer
-        at, along, side = cursor, s, lateral
+        path = SidewaysPath(s, length, lateral, offset)
+        x, y, yaw = start.ego[Col.X], start.ego[Col.Y], start.ego[Col.YAW]
+        speed, pull, wheel = v, start.acceleration, start.steer
+        at, along, side = start.cursor, s, lateral
         for k in range(out.shape[1]):
-            wanted = way[at, 3] * factor
-            gap, other = _next_ahead(
-                along, s, length, lateral, offset, half_length, half_width, room, seen[k], kinds
-            )
+            wanted = way[at, WayCol.WANTED] * factor
+            gap, other = _next_ahead(along, path, car, others, k)
             asked = accelerate(speed, wanted, gap, other, max_braking)
             if stop < np.inf:
-                left = stop - along - half_length
+                left = stop - along - car.half_length
                 asked = min(asked, halt(speed, max(wanted, 1.0), left, max_braking))
             if asked > -HARD_BRAKING:
                 asked = min(max(asked, pull - BRAKING_JERK * STEP), pull + DRIVING_JERK * STEP)
@@ -162,22 +247,24 @@ def propose(
                 ahead += 1
             ux, uy = line[ahead + 1, 0] - line[ahead, 0], line[ahead + 1, 1] - line[ahead, 1]
             span = max(math.sqrt(ux * ux + uy * uy), 1e-9)
-            aside = _offset_at(aim, s, length, lateral, offset)
+            aside = _offset_at(path, aim)
             turn = steer_at(tx - aside * uy / span, ty + aside * ux / span, x, y, yaw, wheelbase)
             row = out[p, k]
-            row[0], row[1], row[2], row[3] = x, y, yaw, speed
-            row[4], row[5], row[6], row[7] = asked, turn, along, side
+            row[ProposalCol.X], row[ProposalCol.Y], row[ProposalCol.YAW] = x, y, yaw
+            row[ProposalCol.SPEED], row[ProposalCol.ACCELERATION] = speed, asked
+            row[ProposalCol.STEER], row[ProposalCol.ARC] = turn, along
+            row[ProposalCol.SIDE] = side
             pull = asked
-            turn = min(max(turn, -car[4]), car[4])
+            turn = min(max(turn, -car.max_steer), car.max_steer)
             wheel += min(max(turn - wheel, -_STEER_RATE * STEP), _STEER_RATE * STEP)
             # The traction decreases with the speed.
-            gained = pull * max(0.0, 1.0 - speed / car[5]) if pull > 0.0 else pull
-            after = min(max(speed + gained * STEP, 0.0), car[5])
+            gained = pull * max(0.0, 1.0 - speed / car.max_speed) if pull > 0.0 else pull
+            after = min(max(speed + gained * STEP, 0.0), car.max_speed)
             mean = 0.5 * (speed + after)
             slip = math.atan(0.5 * math.tan(wheel))
             yaw_rate = mean * math.cos(slip) * math.tan(wheel) / wheelbase
-            if abs(mean * yaw_rate) > grip:
-                yaw_rate = math.copysign(grip / mean, yaw_rate)
+            if abs(mean * yaw_rate) > car.grip:
+                yaw_rate = math.copysign(car.grip / mean, yaw_rate)
             heading = yaw + slip + 0.5 * yaw_rate * STEP
             x += mean * math.cos(heading) * STEP
             y += mean * math.sin(heading) * STEP

@@ -9,13 +9,18 @@ comfort.
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 
 import numpy as np
 
-from drivora_service.agents.pdm_closed.forecast import STEP
+from drivora_service.agents.idm.run_following import WayCol
+from drivora_service.agents.pdm_closed.forecast import STEP, FutureCol
+from drivora_service.agents.pdm_closed.margins import MarginCol
+from drivora_service.agents.pdm_closed.proposals import ProposalCol
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.boxes import overlap_depth
+from drivora_service.observations.trace import SizeCol
 
 PROGRESS_WEIGHT = 5.0
 TIME_TO_COLLISION_WEIGHT = 5.0
@@ -38,6 +43,21 @@ _MAX_YAW_RATE = 0.95
 _MAX_YAW_ACCELERATION = 1.93
 
 
+class ScoreCol(IntEnum):
+    """Columns of what was found of proposals."""
+
+    SCORE = 0
+    """0..1."""
+    COLLISION_TIME = 1
+    """Seconds to the first collision at fault; inf without one."""
+    PROGRESS = 2
+    """Metres."""
+    KEEPS_TIME = 3
+    """1 if the time to collision is kept, else 0."""
+    IS_COMFORTABLE = 4
+    """1 if it keeps the limits of comfort, else 0."""
+
+
 @compiled
 def _touches(
     x: float,
@@ -48,12 +68,13 @@ def _touches(
     there: FloatArray,
     size: FloatArray,
 ) -> bool:
-    dx, dy = there[0] - x, there[1] - y
-    reach = half_length + half_width + 0.5 * (size[0] + size[1])
+    dx, dy = there[FutureCol.X] - x, there[FutureCol.Y] - y
+    length, width = size[SizeCol.LENGTH], size[SizeCol.WIDTH]
+    reach = half_length + half_width + 0.5 * (length + width)
     if abs(dx) > reach or abs(dy) > reach:
         return False
     depth = overlap_depth(
-        dx, dy, yaw, 2.0 * half_length, 2.0 * half_width, there[2], size[0], size[1]
+        dx, dy, yaw, 2.0 * half_length, 2.0 * half_width, there[FutureCol.YAW], length, width
     )
     return depth > 0.0
 
@@ -71,21 +92,21 @@ def first_collision(
     """
     steps: int = path.shape[0]
     for j in range(sizes.shape[0]):
-        if _touches(
-            path[0, 0], path[0, 1], path[0, 2], half_length, half_width, future[0, j], sizes[j]
-        ):
+        x, y, yaw = path[0, ProposalCol.X], path[0, ProposalCol.Y], path[0, ProposalCol.YAW]
+        if _touches(x, y, yaw, half_length, half_width, future[0, j], sizes[j]):
             continue
         for k in range(1, steps):
-            x, y, yaw = path[k, 0], path[k, 1], path[k, 2]
+            x, y, yaw = path[k, ProposalCol.X], path[k, ProposalCol.Y], path[k, ProposalCol.YAW]
+            there = future[k, j]
             if not _touches(
-                x, y, yaw, half_length + _CLEARANCE, half_width + _CLEARANCE, future[k, j],
-                sizes[j],
+                x, y, yaw, half_length + _CLEARANCE, half_width + _CLEARANCE, there, sizes[j],
             ):  # fmt: skip
                 continue
-            if path[k, 3] < _STANDS:
+            if path[k, ProposalCol.SPEED] < _STANDS:
                 break
-            ahead = (future[k, j, 0] - x) * math.cos(yaw) + (future[k, j, 1] - y) * math.sin(yaw)
-            if ahead < 0.0 and future[k, j, 3] > _STANDS:
+            dx, dy = there[FutureCol.X] - x, there[FutureCol.Y] - y
+            ahead = dx * math.cos(yaw) + dy * math.sin(yaw)
+            if ahead < 0.0 and there[FutureCol.SPEED] > _STANDS:
                 break
             steps = min(steps, k)
             break
@@ -99,7 +120,8 @@ def keeps_time_to_collision(
     """Returns whether the ego, at constant velocity, touches no actor ahead within 0.9 s."""
     last = path.shape[0] - 1
     for k in range(0, last - _LOOKS * _LOOK + 1, 2):
-        x, y, yaw, speed = path[k, 0], path[k, 1], path[k, 2], path[k, 3]
+        x, y, yaw = path[k, ProposalCol.X], path[k, ProposalCol.Y], path[k, ProposalCol.YAW]
+        speed = path[k, ProposalCol.SPEED]
         if speed < _STANDS:
             continue
         cos, sin = math.cos(yaw), math.sin(yaw)
@@ -111,7 +133,7 @@ def keeps_time_to_collision(
                 there = future[after, j]
                 if not _touches(px, py, yaw, half_length, half_width, there, sizes[j]):
                     continue
-                if (there[0] - px) * cos + (there[1] - py) * sin > 0.0:
+                if (there[FutureCol.X] - px) * cos + (there[FutureCol.Y] - py) * sin > 0.0:
                     return False
     return True
 
@@ -126,26 +148,29 @@ def stays_on_road(
     """
     allowed, oncoming = 0.0, 0.0
     # Beyond the end of its line the road is unknown.
-    at, end = 0, way[way.shape[0] - 1, 2] - 0.1
+    at, end = 0, way[way.shape[0] - 1, WayCol.ARC] - 0.1
     for k in range(path.shape[0]):
-        s, side = path[k, 6], path[k, 7]
+        s, side = path[k, ProposalCol.ARC], path[k, ProposalCol.SIDE]
         if s >= end:
             break
         if k == 0:
-            at = int(np.searchsorted(way[:, 2], s))
-        while at < way.shape[0] - 2 and way[at + 1, 2] < s:
+            at = int(np.searchsorted(way[:, WayCol.ARC], s))
+        while at < way.shape[0] - 2 and way[at + 1, WayCol.ARC] < s:
             at += 1
         at = min(max(at, 0), way.shape[0] - 2)
-        line_yaw = math.atan2(way[at + 1, 1] - way[at, 1], way[at + 1, 0] - way[at, 0])
-        turned = path[k, 2] - line_yaw
+        line_yaw = math.atan2(
+            way[at + 1, WayCol.Y] - way[at, WayCol.Y], way[at + 1, WayCol.X] - way[at, WayCol.X]
+        )
+        turned = path[k, ProposalCol.YAW] - line_yaw
         across = half_width * abs(math.cos(turned)) + half_length * abs(math.sin(turned))
-        outside = max(side + across - margins[at, 0], across - side - margins[at, 1])
+        left, right = margins[at, MarginCol.LEFT], margins[at, MarginCol.RIGHT]
+        outside = max(side + across - left, across - side - right)
         if k == 0:
             allowed = max(outside, 0.0) + _SLACK
         elif outside > allowed:
             return False, oncoming
-        if k > 0 and side > margins[at, 2]:
-            oncoming += path[k, 3] * STEP
+        if k > 0 and side > margins[at, MarginCol.ONCOMING]:
+            oncoming += path[k, ProposalCol.SPEED] * STEP
     return True, oncoming
 
 
@@ -154,18 +179,19 @@ def is_comfortable(path: FloatArray, before: float) -> bool:
     """Returns whether a proposal keeps nuPlan's limits of comfort.
 
     Args:
-        path: (K, 8) the proposal.
+        path: (K, 8) the proposal, columns ``ProposalCol``.
         before: Acceleration before it, m/s².
     """
     pull, turn = before, 0.0
     for k in range(path.shape[0] - 1):
-        asked = path[k, 4] if path[k, 3] > _STANDS else 0.0
+        speed = path[k, ProposalCol.SPEED]
+        asked = path[k, ProposalCol.ACCELERATION] if speed > _STANDS else 0.0
         if asked > _MAX_PULL or asked < -_MAX_BRAKING:
             return False
-        if k > 0 and abs(asked - pull) / STEP > _MAX_JERK and path[k, 3] > 2.0 * _STANDS:
+        if k > 0 and abs(asked - pull) / STEP > _MAX_JERK and speed > 2.0 * _STANDS:
             return False
-        rate = (path[k + 1, 2] - path[k, 2]) / STEP
-        if abs(rate) > _MAX_YAW_RATE or abs(rate * path[k, 3]) > _MAX_SIDE:
+        rate = (path[k + 1, ProposalCol.YAW] - path[k, ProposalCol.YAW]) / STEP
+        if abs(rate) > _MAX_YAW_RATE or abs(rate * speed) > _MAX_SIDE:
             return False
         if k > 0 and abs(rate - turn) / STEP > _MAX_YAW_ACCELERATION:
             return False
@@ -191,41 +217,41 @@ def score(
         paths: (P, K, 8) as filled by ``propose``.
         before: Acceleration before them, m/s².
         half_length, half_width: Half size of the ego, metres.
-        way: (n, 4) the followed way.
-        margins: (n, 3) the margins beside it.
-        future: (K, n, 4) the predicted others.
-        sizes: (n, 2) metres.
-        out: (P, 5) filled: score 0..1, seconds to the first collision at fault or inf, metres of
-            progress, 1 if the time to collision is kept, 1 if it is comfortable.
+        way: (n, 4) the followed way, columns ``WayCol``.
+        margins: (n, 3) the margins beside it, columns ``MarginCol``.
+        future: (K, n, 4) the predicted others, columns ``FutureCol``.
+        sizes: (n, 2) columns ``SizeCol``.
+        out: (P, 5) filled, columns ``ScoreCol``.
     """
     furthest = 0.0
     for p in range(paths.shape[0]):
         path, found = paths[p], out[p]
         steps = first_collision(path, half_length, half_width, future, sizes)
-        found[1] = np.inf if steps == path.shape[0] else steps * STEP
+        found[ScoreCol.COLLISION_TIME] = np.inf if steps == path.shape[0] else steps * STEP
         on_road, oncoming = stays_on_road(path, half_length, half_width, way, margins)
-        found[0] = 1.0 if steps == path.shape[0] else 0.0
+        found[ScoreCol.SCORE] = 1.0 if steps == path.shape[0] else 0.0
         if not on_road:
-            found[0] = 0.0
+            found[ScoreCol.SCORE] = 0.0
         if oncoming > 6.0:
-            found[0] = 0.0
+            found[ScoreCol.SCORE] = 0.0
         elif oncoming > 2.0:
-            found[0] *= 0.5
-        found[2] = max(path[path.shape[0] - 1, 6] - path[0, 6], 0.0)
-        found[3], found[4] = 0.0, 0.0
-        if found[0] > 0.0:
-            furthest = max(furthest, found[2])
+            found[ScoreCol.SCORE] *= 0.5
+        driven = path[path.shape[0] - 1, ProposalCol.ARC] - path[0, ProposalCol.ARC]
+        found[ScoreCol.PROGRESS] = max(driven, 0.0)
+        found[ScoreCol.KEEPS_TIME], found[ScoreCol.IS_COMFORTABLE] = 0.0, 0.0
+        if found[ScoreCol.SCORE] > 0.0:
+            furthest = max(furthest, found[ScoreCol.PROGRESS])
             if keeps_time_to_collision(path, half_length, half_width, future, sizes):
-                found[3] = 1.0
+                found[ScoreCol.KEEPS_TIME] = 1.0
             if is_comfortable(path, before):
-                found[4] = 1.0
+                found[ScoreCol.IS_COMFORTABLE] = 1.0
     weights = PROGRESS_WEIGHT + TIME_TO_COLLISION_WEIGHT + COMFORT_WEIGHT
     for p in range(paths.shape[0]):
         found = out[p]
-        progress = found[2] / furthest if furthest > _LEAST_PROGRESS else 1.0
+        progress = found[ScoreCol.PROGRESS] / furthest if furthest > _LEAST_PROGRESS else 1.0
         mean = (
             PROGRESS_WEIGHT * progress
-            + TIME_TO_COLLISION_WEIGHT * found[3]
-            + COMFORT_WEIGHT * found[4]
+            + TIME_TO_COLLISION_WEIGHT * found[ScoreCol.KEEPS_TIME]
+            + COMFORT_WEIGHT * found[ScoreCol.IS_COMFORTABLE]
         )
-        found[0] *= mean / weights
+        found[ScoreCol.SCORE] *= mean / weights
