@@ -204,7 +204,8 @@ class Server:
         self.go_on()
         if self.process is not None:
             self.process.send_signal(signal_number)
-            self.process.wait(60.0)
+            # One on a busy machine finishes the requests that it has, and its workers.
+            self.process.wait(300.0)
             self.process, self.killed_at = None, time.monotonic()
 
 

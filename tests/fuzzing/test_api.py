@@ -1,6 +1,6 @@
 """Requests made from the OpenAPI document, against a real service with real workers.
 
-``DRIVORA_FUZZ_SECONDS`` sets how long each of the two runs of schemathesis takes (by default 25),
+``DRIVORA_FUZZ_SECONDS`` sets how long each of the two runs of schemathesis takes (by default 15),
 and ``DRIVORA_FUZZ_SEED`` another seed.
 """
 
@@ -23,7 +23,7 @@ from tests.forked_service import forked_service
 pytestmark = pytest.mark.slow(seconds=30)
 
 PREFIX = "/api/v1"
-SECONDS = os.environ.get("DRIVORA_FUZZ_SECONDS", "25")
+SECONDS = os.environ.get("DRIVORA_FUZZ_SECONDS", "15")
 SEED = os.environ.get("DRIVORA_FUZZ_SEED", "1")
 
 REFUSES = (

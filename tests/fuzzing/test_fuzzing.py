@@ -16,7 +16,7 @@ from tests.fuzzing.mutation import Mutator
 from tests.fuzzing.running import run_session
 
 CORPUS = Path(__file__).parent / "corpus"
-SECONDS = 5
+SECONDS = 3
 """Of each parser in CI; ``make fuzz`` takes longer."""
 
 
