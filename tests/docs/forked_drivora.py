@@ -79,7 +79,7 @@ def _accept(listener: socket.socket, threads: list[threading.Thread]) -> None:
 
 
 def _attend(connection: socket.socket) -> None:
-    """Begins the command of a program, and passes signals and its exit code on."""
+    """Begins the command of a program; sends it signals, and the program its exit code."""
     with connection, connection.makefile("rb") as requests:
         line = requests.readline()
         if not line:

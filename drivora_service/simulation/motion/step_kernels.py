@@ -97,7 +97,7 @@ def make_frame(
     before: int,
     after: int,
     time: float,
-    told: bool,
+    for_sumo: bool,
     around: Surroundings,
     frames: WorldFrames,
     egos: EgoBodies,
@@ -110,7 +110,7 @@ def make_frame(
         before: Index of the frame before.
         after: Index of the frame to write; 0 is the start, before any motion.
         time: Seconds of the frame to write.
-        told: Whether SUMO is told of the frame; else no placements are written.
+        for_sumo: Whether SUMO gets the frame; else no placements are written.
         around: Ground, wind and static actors.
         frames: The frames of the world.
         egos: Moved; their commands are written into the values of the frame before.
@@ -144,7 +144,7 @@ def make_frame(
     advance_followers(
         time - dt, dt, friction, patches, followers, frame, sizes, present, next_frame, next_present
     )
-    if not told:
+    if not for_sumo:
         return -1
     return write_placements(frame, present, next_frame, next_present, sizes, moved)
 

@@ -62,7 +62,7 @@ def look_ahead_is_bounded(agents: Iterable[object]) -> bool:
 
 
 class Holding:
-    """The moved rows of a run that SUMO is told nothing of."""
+    """The moved rows of a run that SUMO does not get."""
 
     def __init__(self, network: RoadNetwork, friction: float) -> None:
         """Finds the lanes on which rows can be held.

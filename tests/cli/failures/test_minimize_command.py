@@ -91,7 +91,7 @@ def test_what_cannot_be_minimised(drivora: Drivora, run_id: str) -> None:
 
 
 def begun(data: Path, run: str, log: Path, more_than: int) -> tuple[Begun, str]:
-    """Begins the command; returns it, and the id that it prints, once it has simulated more."""
+    """Begins the command; returns it and the id that it prints once it has simulated more."""
     process = begin(
         *("minimize", run, "--data-dir", data),
         folder=log.parent,
