@@ -14,6 +14,7 @@ Places and headings are in the ego's present frame.
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 
 import numpy as np
 
@@ -30,8 +31,28 @@ from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import Float32Array, FloatArray
 from drivora_service.observations.trace import Col
 
+
+class _FrameInput(IntEnum):
+    """Inputs of one place of the past."""
+
+    AHEAD = 0
+    LEFT = 1
+    HEADING = 2
+    """Its sine."""
+    SPEED = 3
+
+
+class _Past(IntEnum):
+    """Columns of the kept places."""
+
+    X = 0
+    Y = 1
+    YAW = 2
+    SPEED = 3
+
+
 FRAMES = 4
-FRAME_SIZE = 4
+FRAME_SIZE = len(_FrameInput)
 FRAMES_AT = EGO_SIZE + PIECES * PIECE_SIZE
 SEEN_SIZE = FRAMES_AT + FRAMES * FRAME_SIZE + 2
 _INTERVAL = 0.5
@@ -56,7 +77,7 @@ class AdMlpView:
         """Finds the way of a run and clears the past."""
         self._way = WayView(context)
         self._apart = max(round(_INTERVAL / context.step_length), 1)
-        self._past = np.zeros((FRAMES * self._apart + 1, 4))
+        self._past = np.zeros((FRAMES * self._apart + 1, len(_Past)))
         self._now = -1
 
     def follow(self, observation: Observation) -> None:
@@ -84,16 +105,16 @@ def show_past(ego: FloatArray, past: FloatArray, now: int, apart: int, out: Floa
 
     Args:
         ego: (9,) the ego's state.
-        past: (n, 4) x, y, heading and speed of the last n steps, in a ring.
+        past: (n, 4) of the last n steps, in a ring, columns ``_Past``.
         now: Row of ``past`` for this step.
         apart: Steps between two frames.
         out: (4, 4) filled.
     """
-    cos, sin = math.cos(ego[2]), math.sin(ego[2])
+    cos, sin = math.cos(ego[Col.YAW]), math.sin(ego[Col.YAW])
     for k in range(FRAMES):
         then = past[(now - (k + 1) * apart) % past.shape[0]]
-        dx, dy = then[0] - ego[0], then[1] - ego[1]
-        out[k, 0] = LENGTH_SCALE * (dx * cos + dy * sin)
-        out[k, 1] = LENGTH_SCALE * (dy * cos - dx * sin)
-        out[k, 2] = math.sin(then[2] - ego[2])
-        out[k, 3] = SPEED_SCALE * then[3]
+        dx, dy = then[_Past.X] - ego[Col.X], then[_Past.Y] - ego[Col.Y]
+        out[k, _FrameInput.AHEAD] = LENGTH_SCALE * (dx * cos + dy * sin)
+        out[k, _FrameInput.LEFT] = LENGTH_SCALE * (dy * cos - dx * sin)
+        out[k, _FrameInput.HEADING] = math.sin(then[_Past.YAW] - ego[Col.YAW])
+        out[k, _FrameInput.SPEED] = SPEED_SCALE * then[_Past.SPEED]

@@ -6,19 +6,58 @@ The choice of lanes is not learned: ``RunFollower`` makes it, as for the rule-ba
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 
 import numpy as np
 
 from drivora_service.agents.idm.conflicts import ZoneCol
-from drivora_service.agents.idm.run_following import RunFollower
+from drivora_service.agents.idm.run_following import RunFollower, WayCol
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import Float32Array, FloatArray
 from drivora_service.networks.routes.line_tracking import track_line
+from drivora_service.observations.trace import Col, Light
+
+
+class OwnInput(IntEnum):
+    """Inputs on the ego itself."""
+
+    SPEED = 0
+    LIMIT = 1
+    RED = 2
+    YELLOW = 3
+    GREEN = 4
+    PROTECTED = 5
+    """Green that gives the right of way."""
+    STOP_LINE = 6
+    """Distance to that of the light."""
+    LANE_END = 7
+    """Distance to where the lane must have been left."""
+    ASIDE = 8
+    """Distance to the left of the way."""
+    HEADING = 9
+    """Sine of the heading across the way."""
+
+
+class PieceInput(IntEnum):
+    """Inputs of one piece of the way, at its end and in the ego's frame."""
+
+    AHEAD = 0
+    LEFT = 1
+    COS = 2
+    SIN = 3
+    """Of the way's direction."""
+    SPEED = 4
+    """The desired one."""
+    YIELDS = 5
+    """Whether others with priority cross the piece."""
+    HAS_PRIORITY = 6
+    """Whether others without priority cross it."""
+
 
 PIECES = 12
-PIECE_SIZE = 7
-EGO_SIZE = 10
+PIECE_SIZE = len(PieceInput)
+EGO_SIZE = len(OwnInput)
 LENGTH_SCALE = 1.0 / 40.0
 """Scale of places and distances, 1/m."""
 SPEED_SCALE = 1.0 / 15.0
@@ -57,36 +96,33 @@ class WayView:
         runs.wait(observation.speed)
         runs.change_when_possible(observation)
         points = runs.way.points
-        x, y = observation.ego[0], observation.ego[1]
-        runs.cursor, self.s, _ = track_line(points, points[:, 2], runs.cursor, 5, 30, x, y)
+        x, y = observation.ego[Col.X], observation.ego[Col.Y]
+        runs.cursor, self.s, _ = track_line(points, points[:, WayCol.ARC], runs.cursor, 5, 30, x, y)
 
     def show(self, observation: Observation, own: Float32Array, pieces: Float32Array) -> None:
         """Fills the inputs of the way ahead.
 
         Args:
             observation: Observation of this step.
-            own: (10,) filled: speed, limit, four states of the light, distance to its stop line and
-                to where the lane must have been left, distance to the left of the way, and heading
-                across it. The states are red, yellow, green, and green that gives the right of way.
-            pieces: (12, 7) filled: for each piece of the way x, y and direction (cosine, sine) at
-                its end in the ego's frame, the desired speed there, whether others with priority
-                cross it, and whether others without priority cross it.
+            own: (10,) filled, ``OwnInput``.
+            pieces: (12, 7) filled, for each piece of the way, ``PieceInput``.
         """
         way = self._runs.way
         show_way(
             way.points, self._runs.cursor, self.s, self._half_length, way.conflicts.zones,
             observation.light_protected, observation.ego, pieces,
         )  # fmt: skip
-        light = int(observation.light)
-        own[0] = SPEED_SCALE * observation.speed
-        own[1] = SPEED_SCALE * observation.speed_limit
-        own[2] = light == 3
-        own[3] = light == 2
-        own[4] = light == 1
-        own[5] = light == 1 and observation.light_protected
-        own[6] = LENGTH_SCALE * min(observation.light_distance, _FURTHEST)
-        own[7] = LENGTH_SCALE * min(max(way.wall - self.s, 0.0), _FURTHEST)
-        own[8], own[9] = place_beside(way.points, self._runs.cursor, observation.ego)
+        light = observation.light
+        own[OwnInput.SPEED] = SPEED_SCALE * observation.speed
+        own[OwnInput.LIMIT] = SPEED_SCALE * observation.speed_limit
+        own[OwnInput.RED] = light == Light.RED
+        own[OwnInput.YELLOW] = light == Light.YELLOW
+        own[OwnInput.GREEN] = light == Light.GREEN
+        own[OwnInput.PROTECTED] = light == Light.GREEN and observation.light_protected
+        own[OwnInput.STOP_LINE] = LENGTH_SCALE * min(observation.light_distance, _FURTHEST)
+        own[OwnInput.LANE_END] = LENGTH_SCALE * min(max(way.wall - self.s, 0.0), _FURTHEST)
+        aside, across = place_beside(way.points, self._runs.cursor, observation.ego)
+        own[OwnInput.ASIDE], own[OwnInput.HEADING] = aside, across
 
 
 @compiled
@@ -100,9 +136,9 @@ def place_beside(points: FloatArray, cursor: int, ego: FloatArray) -> tuple[floa
     """
     ux, uy = points[cursor + 1, 0] - points[cursor, 0], points[cursor + 1, 1] - points[cursor, 1]
     span = max(math.hypot(ux, uy), 1e-9)
-    dx, dy = ego[0] - points[cursor, 0], ego[1] - points[cursor, 1]
+    dx, dy = ego[Col.X] - points[cursor, 0], ego[Col.Y] - points[cursor, 1]
     aside = (ux * dy - uy * dx) / span
-    return min(max(0.25 * aside, -1.0), 1.0), math.sin(ego[2] - math.atan2(uy, ux))
+    return min(max(0.25 * aside, -1.0), 1.0), math.sin(ego[Col.YAW] - math.atan2(uy, ux))
 
 
 @compiled
@@ -128,31 +164,33 @@ def show_way(
         ego: (9,) the ego's state.
         out: (12, 7) filled, as in ``WayView.show``.
     """
-    cos, sin = math.cos(ego[2]), math.sin(ego[2])
+    cos, sin = math.cos(ego[Col.YAW]), math.sin(ego[Col.YAW])
     i, last = cursor, points.shape[0] - 2
     begin = s - half_length
     for k in range(PIECES):
         end = s + _ENDS[k]
-        while i < last and points[i + 1, 2] < end:
+        while i < last and points[i + 1, WayCol.ARC] < end:
             i += 1
         ux, uy = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
         span = max(math.hypot(ux, uy), 1e-9)
         ux, uy = ux / span, uy / span
-        dx = points[i, 0] + (end - points[i, 2]) * ux - ego[0]
-        dy = points[i, 1] + (end - points[i, 2]) * uy - ego[1]
-        out[k, 0] = LENGTH_SCALE * (dx * cos + dy * sin)
-        out[k, 1] = LENGTH_SCALE * (dy * cos - dx * sin)
-        out[k, 2] = ux * cos + uy * sin
-        out[k, 3] = uy * cos - ux * sin
-        out[k, 4] = SPEED_SCALE * points[i, 3]
-        out[k, 5] = out[k, 6] = 0.0
+        along = end - points[i, WayCol.ARC]
+        dx = points[i, WayCol.X] + along * ux - ego[Col.X]
+        dy = points[i, WayCol.Y] + along * uy - ego[Col.Y]
+        piece = out[k]
+        piece[PieceInput.AHEAD] = LENGTH_SCALE * (dx * cos + dy * sin)
+        piece[PieceInput.LEFT] = LENGTH_SCALE * (dy * cos - dx * sin)
+        piece[PieceInput.COS] = ux * cos + uy * sin
+        piece[PieceInput.SIN] = uy * cos - ux * sin
+        piece[PieceInput.SPEED] = SPEED_SCALE * points[i, WayCol.WANTED]
+        piece[PieceInput.YIELDS] = piece[PieceInput.HAS_PRIORITY] = 0.0
         for z in range(zones.shape[0]):
             if zones[z, ZoneCol.ENTER] > end or zones[z, ZoneCol.LEAVE] < begin:
                 continue
             ahead_of_line = zones[z, ZoneCol.GATE] - s - half_length > -1.0
             is_ours = zones[z, ZoneCol.SIGNALISED] > 0.0 and protected and ahead_of_line
             if zones[z, ZoneCol.YIELDS] > 0.0 and not is_ours:
-                out[k, 5] = 1.0
+                piece[PieceInput.YIELDS] = 1.0
             else:
-                out[k, 6] = 1.0
+                piece[PieceInput.HAS_PRIORITY] = 1.0
         begin = end

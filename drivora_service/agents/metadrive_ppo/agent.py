@@ -18,6 +18,9 @@ from drivora_service.agents.interface import AccelerationControl, AgentContext, 
 from drivora_service.agents.light_braking import compile_braking, light_acceleration
 from drivora_service.agents.metadrive_ppo.checkpoints import find_checkpoints
 from drivora_service.agents.metadrive_ppo.encoding import (
+    CHECKPOINT,
+    LATER_CHECKPOINT,
+    RoadCol,
     compile_encoding,
     encode_checkpoint,
     encode_ego,
@@ -60,7 +63,7 @@ class MetaDriveAgent:
         self._max_braking = min(context.model.max_deceleration, 9.81 * context.friction)
         self._next_decision = -math.inf
         self._last = np.zeros(2)
-        self._place = np.zeros(5)
+        self._place = np.zeros(len(RoadCol))
         self._seen = np.zeros(OBSERVATION_SIZE)
         self._log = context.log
         self._log.declare("steering", "throttle", "checkpoint_distance")
@@ -88,18 +91,20 @@ class MetaDriveAgent:
         s = observation.route_s
         corridor, checkpoints = self._corridor, self._checkpoints
         columns = (corridor.middle[:, 0], corridor.middle[:, 1], corridor.heading)
-        for k, column in enumerate(columns):
-            self._place[k] = np.interp(s, corridor.arc, column)
+        for cell, column in zip((RoadCol.X, RoadCol.Y, RoadCol.DIRECTION), columns, strict=True):
+            self._place[cell] = np.interp(s, corridor.arc, column)
         near = min(int(np.searchsorted(corridor.arc, s)), len(corridor.arc) - 1)
-        self._place[3:] = corridor.width[near], corridor.lanes[near]
+        self._place[RoadCol.WIDTH] = corridor.width[near]
+        self._place[RoadCol.LANES] = corridor.lanes[near]
         last_piece = len(checkpoints.ends) - 1
         piece = min(int(np.searchsorted(checkpoints.ends, s, side="right")), last_piece)
         self._to_checkpoint = float(checkpoints.ends[piece] - s)
 
         ego, seen = observation.ego, self._seen
         encode_ego(ego, observation.speed, self._place, self._last, seen)
-        encode_checkpoint(ego, checkpoints.pieces[piece], seen[9:14])
-        encode_checkpoint(ego, checkpoints.pieces[min(piece + 1, last_piece)], seen[14:19])
+        encode_checkpoint(ego, checkpoints.pieces[piece], seen[CHECKPOINT])
+        later = checkpoints.pieces[min(piece + 1, last_piece)]
+        encode_checkpoint(ego, later, seen[LATER_CHECKPOINT])
         encode_others(
             ego, observation.objects, observation.object_sizes, observation.object_kinds, seen
         )

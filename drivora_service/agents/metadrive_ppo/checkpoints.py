@@ -8,6 +8,7 @@ of each. Here the pieces are derived from the bends of the route.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
 from itertools import pairwise
 
 import numpy as np
@@ -29,15 +30,27 @@ _TIGHTEST = 5.0
 """Least radius in metres, for corners of a centre line."""
 
 
+class PieceCol(IntEnum):
+    """Columns of ``Checkpoints.pieces``."""
+
+    X = 0
+    Y = 1
+    """Of the checkpoint: the middle of the corridor at the piece's end, metres."""
+    RADIUS = 2
+    """Metres; 0 where the piece is straight."""
+    ANGLE = 3
+    """Radians by which it turns, positive to the left."""
+    WIDTH = 4
+    """Of the corridor at its end, metres."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Checkpoints:
     """The pieces of a route, in order.
 
     Attributes:
         ends: (k,) arc length on the route's reference line at which each piece ends, metres.
-        pieces: (k, 5) checkpoint x and y (the middle of the corridor at the piece's end, metres),
-            radius in metres (0: straight), angle turned in radians (positive to the left), and the
-            width of the corridor at its end in metres.
+        pieces: (k, 5), columns ``PieceCol``.
     """
 
     ends: FloatArray

@@ -23,19 +23,27 @@ the expert was trained: ahead and to the *right* are positive, angles run clockw
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 from functools import lru_cache
 
 import numpy as np
 
+from drivora_service.agents.interface import ObjectKind
+from drivora_service.agents.metadrive_ppo.checkpoints import PieceCol
 from drivora_service.agents.metadrive_ppo.policy import OBSERVATION_SIZE
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.geometry.kernels import wrap_to_pi
+from drivora_service.observations.trace import Col, SizeCol
 
 REACH = 50.0
 """Range of the rays, and maximum shown distance of checkpoints, metres."""
 RAYS = 240
 _OTHERS = 4
+CHECKPOINT = slice(9, 14)
+"""Inputs of the next checkpoint."""
+LATER_CHECKPOINT = slice(14, 19)
+"""Inputs of the one after it."""
 _FIRST_OTHER = 19
 _FIRST_RAY = 35
 _TOP_SPEED = 80.0
@@ -50,6 +58,54 @@ _CURVE_ANGLE = 135.0
 _STEERING_SCALE = 60.0
 """Divisor of the steering, -1 to 1, where its angle in degrees was intended: the front wheels
 always appear straight ahead to the expert, as in its training."""
+
+
+class RoadCol(IntEnum):
+    """Columns of the road beside the ego: a place in its middle."""
+
+    X = 0
+    Y = 1
+    DIRECTION = 2
+    """Radians."""
+    WIDTH = 3
+    """Metres, of all lanes in this direction."""
+    LANES = 4
+
+
+class _OwnInput(IntEnum):
+    """Inputs on the ego itself."""
+
+    LEFT_BORDER = 0
+    RIGHT_BORDER = 1
+    HEADING = 2
+    SPEED = 3
+    WHEELS = 4
+    STEERING = 5
+    THROTTLE = 6
+    YAW_RATE = 7
+    OFF_MIDDLE = 8
+
+
+class _CheckpointInput(IntEnum):
+    """Inputs of one checkpoint."""
+
+    AHEAD = 0
+    RIGHT = 1
+    RADIUS = 2
+    SIDE = 3
+    ANGLE = 4
+
+
+class _OtherInput(IntEnum):
+    """Inputs of one other vehicle."""
+
+    AHEAD = 0
+    RIGHT = 1
+    SPEED_AHEAD = 2
+    SPEED_RIGHT = 3
+
+
+_OTHER_SIZE = len(_OtherInput)
 
 
 @compiled
@@ -67,31 +123,33 @@ def _both_ways(value: float) -> float:
 def encode_ego(
     ego: FloatArray, speed: float, place: FloatArray, last: FloatArray, out: FloatArray
 ) -> None:
-    """Fills entries 0 to 8.
+    """Fills the inputs on the ego itself.
 
     Args:
         ego: (9,) the ego's state.
         speed: m/s.
-        place: (5,) x, y and direction of the middle of the road beside the ego, the road's width in
-            metres, and its number of lanes.
-        last: (2,) steering and throttle of the last decision.
+        place: (5,) columns ``RoadCol``.
+        last: (2,) steering and throttle of the last decision, each from -1 to 1.
         out: (275,).
     """
-    dx, dy = ego[0] - place[0], ego[1] - place[1]
-    cos, sin = math.cos(place[2]), math.sin(place[2])
+    steering, throttle = last[0], last[1]
+    dx, dy = ego[Col.X] - place[RoadCol.X], ego[Col.Y] - place[RoadCol.Y]
+    direction, width, lanes = place[RoadCol.DIRECTION], place[RoadCol.WIDTH], place[RoadCol.LANES]
+    cos, sin = math.cos(direction), math.sin(direction)
     right = dx * sin - dy * cos
-    from_left = 0.5 * place[3] + right
-    lane_width = place[3] / place[4]
-    lane = min(max(math.floor(from_left / lane_width), 0.0), place[4] - 1.0)
-    out[0] = _unit(from_left / _ROAD_WIDTH)
-    out[1] = _unit((place[3] - from_left) / _ROAD_WIDTH)
-    out[2] = _both_ways(math.sin(place[2] - ego[2]))
-    out[3] = _unit((3.6 * speed + 1.0) / (_TOP_SPEED + 1.0))
-    out[4] = _both_ways(last[0] / _STEERING_SCALE)
-    out[5] = _both_ways(last[0])
-    out[6] = _both_ways(last[1])
-    out[7] = _unit(abs(ego[7]))
-    out[8] = _both_ways(2.0 * (from_left - (lane + 0.5) * lane_width) / _LANE_WIDTH)
+    from_left = 0.5 * width + right
+    lane_width = width / lanes
+    lane = min(max(math.floor(from_left / lane_width), 0.0), lanes - 1.0)
+    out[_OwnInput.LEFT_BORDER] = _unit(from_left / _ROAD_WIDTH)
+    out[_OwnInput.RIGHT_BORDER] = _unit((width - from_left) / _ROAD_WIDTH)
+    out[_OwnInput.HEADING] = _both_ways(math.sin(direction - ego[Col.YAW]))
+    out[_OwnInput.SPEED] = _unit((3.6 * speed + 1.0) / (_TOP_SPEED + 1.0))
+    out[_OwnInput.WHEELS] = _both_ways(steering / _STEERING_SCALE)
+    out[_OwnInput.STEERING] = _both_ways(steering)
+    out[_OwnInput.THROTTLE] = _both_ways(throttle)
+    out[_OwnInput.YAW_RATE] = _unit(abs(ego[Col.YAW_RATE]))
+    off_middle = from_left - (lane + 0.5) * lane_width
+    out[_OwnInput.OFF_MIDDLE] = _both_ways(2.0 * off_middle / _LANE_WIDTH)
 
 
 @compiled
@@ -100,21 +158,24 @@ def encode_checkpoint(ego: FloatArray, piece: FloatArray, out: FloatArray) -> No
 
     Args:
         ego: (9,) the ego's state.
-        piece: (5,) a row of ``Checkpoints.pieces``.
-        out: (5,).
+        piece: (5,) columns ``PieceCol``.
+        out: (5,) filled.
     """
-    dx, dy = piece[0] - ego[0], piece[1] - ego[1]
+    dx, dy = piece[PieceCol.X] - ego[Col.X], piece[PieceCol.Y] - ego[Col.Y]
     distance = math.hypot(dx, dy)
     if distance > REACH:
         dx, dy = dx * REACH / distance, dy * REACH / distance
-    cos, sin = math.cos(ego[2]), math.sin(ego[2])
-    out[0] = _both_ways((dx * cos + dy * sin) / REACH)
-    out[1] = _both_ways((dx * sin - dy * cos) / REACH)
-    out[2], out[3], out[4] = 0.0, 0.5, 0.5
-    if piece[2] > 0.0:
-        out[2] = _unit(piece[2] / (_CURVE_RADIUS + piece[4]))
-        out[3] = 1.0 if piece[3] < 0.0 else 0.0
-        out[4] = _both_ways(math.degrees(abs(piece[3])) / _CURVE_ANGLE)
+    cos, sin = math.cos(ego[Col.YAW]), math.sin(ego[Col.YAW])
+    out[_CheckpointInput.AHEAD] = _both_ways((dx * cos + dy * sin) / REACH)
+    out[_CheckpointInput.RIGHT] = _both_ways((dx * sin - dy * cos) / REACH)
+    out[_CheckpointInput.RADIUS] = 0.0
+    out[_CheckpointInput.SIDE] = 0.5
+    out[_CheckpointInput.ANGLE] = 0.5
+    radius, angle = piece[PieceCol.RADIUS], piece[PieceCol.ANGLE]
+    if radius > 0.0:
+        out[_CheckpointInput.RADIUS] = _unit(radius / (_CURVE_RADIUS + piece[PieceCol.WIDTH]))
+        out[_CheckpointInput.SIDE] = 1.0 if angle < 0.0 else 0.0
+        out[_CheckpointInput.ANGLE] = _both_ways(math.degrees(abs(angle)) / _CURVE_ANGLE)
 
 
 @compiled
@@ -127,21 +188,21 @@ def encode_others(
         ego: (9,) the ego's state.
         objects: (n, 9) perceived actors.
         sizes: (n, 2) metres.
-        kinds: (n,) 0 vehicle, 1 walker, 2 obstacle.
+        kinds: (n,) of ``ObjectKind``.
         out: (275,).
     """
     out[_FIRST_OTHER:_FIRST_RAY] = 0.0
     out[_FIRST_RAY:] = 1.0
-    cos, sin = math.cos(ego[2]), math.sin(ego[2])
+    cos, sin = math.cos(ego[Col.YAW]), math.sin(ego[Col.YAW])
     nearest = np.full(_OTHERS, -1)
     distances = np.full(_OTHERS, np.inf)
     for j in range(objects.shape[0]):
-        dx, dy = objects[j, 0] - ego[0], objects[j, 1] - ego[1]
+        dx, dy = objects[j, Col.X] - ego[Col.X], objects[j, Col.Y] - ego[Col.Y]
         distance = math.hypot(dx, dy)
-        if distance > REACH + 0.5 * math.hypot(sizes[j, 0], sizes[j, 1]):
+        if distance > REACH + 0.5 * math.hypot(sizes[j, SizeCol.LENGTH], sizes[j, SizeCol.WIDTH]):
             continue
         _cast_rays(ego, objects[j], sizes[j], out)
-        if kinds[j] != 0:
+        if kinds[j] != ObjectKind.VEHICLE:
             continue
         place = _OTHERS
         while place > 0 and distance < distances[place - 1]:
@@ -154,19 +215,20 @@ def encode_others(
         j = nearest[k]
         if j < 0:
             break
-        dx, dy = objects[j, 0] - ego[0], objects[j, 1] - ego[1]
-        dvx, dvy = 3.6 * (objects[j, 3] - ego[3]), 3.6 * (objects[j, 4] - ego[4])
-        at = _FIRST_OTHER + 4 * k
-        out[at] = _both_ways((dx * cos + dy * sin) / REACH)
-        out[at + 1] = _both_ways((dx * sin - dy * cos) / REACH)
-        out[at + 2] = _both_ways((dvx * cos + dvy * sin) / _TOP_SPEED)
-        out[at + 3] = _both_ways((dvx * sin - dvy * cos) / _TOP_SPEED)
+        dx, dy = objects[j, Col.X] - ego[Col.X], objects[j, Col.Y] - ego[Col.Y]
+        dvx = 3.6 * (objects[j, Col.VX] - ego[Col.VX])
+        dvy = 3.6 * (objects[j, Col.VY] - ego[Col.VY])
+        at = _FIRST_OTHER + _OTHER_SIZE * k
+        out[at + _OtherInput.AHEAD] = _both_ways((dx * cos + dy * sin) / REACH)
+        out[at + _OtherInput.RIGHT] = _both_ways((dx * sin - dy * cos) / REACH)
+        out[at + _OtherInput.SPEED_AHEAD] = _both_ways((dvx * cos + dvy * sin) / _TOP_SPEED)
+        out[at + _OtherInput.SPEED_RIGHT] = _both_ways((dvx * sin - dvy * cos) / _TOP_SPEED)
 
 
 @compiled
 def _cast_rays(ego: FloatArray, box: FloatArray, size: FloatArray, out: FloatArray) -> None:
     """Shortens the rays that meet a box; those that start in it hit it on leaving."""
-    cos, sin = math.cos(box[2]), math.sin(box[2])
+    cos, sin = math.cos(box[Col.YAW]), math.sin(box[Col.YAW])
     step = 2.0 * math.pi / RAYS
     for edge in range(4):
         # The corners at both ends of the edge, relative to the ego: ahead, and to the right.
@@ -191,11 +253,11 @@ def _cast_rays(ego: FloatArray, box: FloatArray, size: FloatArray, out: FloatArr
 def _corner(
     ego: FloatArray, box: FloatArray, size: FloatArray, cos: float, sin: float, number: int
 ) -> tuple[float, float]:
-    along = 0.5 * size[0] if number in (0, 3) else -0.5 * size[0]
-    left = 0.5 * size[1] if number < 2 else -0.5 * size[1]
-    dx = box[0] + along * cos - left * sin - ego[0]
-    dy = box[1] + along * sin + left * cos - ego[1]
-    c, s = math.cos(ego[2]), math.sin(ego[2])
+    along = 0.5 * size[SizeCol.LENGTH] if number in (0, 3) else -0.5 * size[SizeCol.LENGTH]
+    left = 0.5 * size[SizeCol.WIDTH] if number < 2 else -0.5 * size[SizeCol.WIDTH]
+    dx = box[Col.X] + along * cos - left * sin - ego[Col.X]
+    dy = box[Col.Y] + along * sin + left * cos - ego[Col.Y]
+    c, s = math.cos(ego[Col.YAW]), math.sin(ego[Col.YAW])
     return dx * c + dy * s, dx * s - dy * c
 
 
@@ -204,5 +266,5 @@ def compile_encoding() -> None:
     """Compiles the functions of this module, before an agent's first step."""
     out, ego = np.zeros(OBSERVATION_SIZE), np.zeros(9)
     encode_ego(ego, 0.0, np.array([0.0, 0.0, 0.0, 3.5, 1.0]), np.zeros(2), out)
-    encode_checkpoint(ego, np.zeros(5), out[9:14])
+    encode_checkpoint(ego, np.zeros(len(PieceCol)), out[CHECKPOINT])
     encode_others(ego, np.zeros((1, 9)), np.ones((1, 2)), np.zeros(1, dtype=np.int64), out)

@@ -3,11 +3,8 @@
 ===========  =====================================================================================
 0 to 9       the ego, as in ``WayView.show``
 10 to 93     twelve pieces of the way, seven numbers each, likewise
-94 to 261    twelve times another actor, the nearest first, fourteen numbers each: 1 if there is
-             one; ahead and to the left (1/40 m), cosine and sine of its heading, speed (1/15 s/m),
-             length (1/10 m), width (1/4 m), whether it is a walker, whether an obstacle; distance
-             along the way and beside it (1/40 and 1/10 m), speed along the way and across it (1/15
-             s/m); zeros if there are fewer
+94 to 261    twelve times another actor, the nearest first, fourteen numbers each, ``OtherInput``;
+             zeros if there are fewer
 ===========  =====================================================================================
 
 Places and headings are in the ego's frame, except for those on the way.
@@ -16,9 +13,11 @@ Places and headings are in the ego's frame, except for those on the way.
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 
 import numpy as np
 
+from drivora_service.agents.idm.run_following import WayCol
 from drivora_service.agents.imitation.way_view import (
     EGO_SIZE,
     LENGTH_SCALE,
@@ -27,12 +26,41 @@ from drivora_service.agents.imitation.way_view import (
     SPEED_SCALE,
     WayView,
 )
-from drivora_service.agents.interface import AgentContext, Observation
+from drivora_service.agents.interface import AgentContext, ObjectKind, Observation
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import Float32Array, FloatArray, IntArray
+from drivora_service.observations.trace import Col, SizeCol
+
+
+class OtherInput(IntEnum):
+    """Inputs of one other actor."""
+
+    PRESENT = 0
+    """1 if there is one."""
+    AHEAD = 1
+    LEFT = 2
+    """1/40 m, of both."""
+    COS = 3
+    SIN = 4
+    """Of its heading."""
+    SPEED = 5
+    """1/15 s/m, as the two others."""
+    LENGTH = 6
+    """1/10 m."""
+    WIDTH = 7
+    """1/4 m."""
+    IS_WALKER = 8
+    IS_OBSTACLE = 9
+    ALONG = 10
+    """Distance along the way, 1/40 m."""
+    ASIDE = 11
+    """Distance beside the way, positive to the left, 1/10 m."""
+    SPEED_ALONG = 12
+    SPEED_ACROSS = 13
+
 
 OBJECTS = 12
-OBJECT_SIZE = 14
+OBJECT_SIZE = len(OtherInput)
 OBJECTS_AT = EGO_SIZE + PIECES * PIECE_SIZE
 SEEN_SIZE = OBJECTS_AT + OBJECTS * OBJECT_SIZE
 SIGHT = 60.0
@@ -91,7 +119,7 @@ def show_others(
         ego: (9,) the ego's state.
         objects: (n, 9) perceived actors.
         sizes: (n, 2) metres.
-        kinds: (n,) 0 vehicle, 1 walker, 2 obstacle.
+        kinds: (n,) of ``ObjectKind``.
         points: (m, 4) of the way.
         cursor: Segment of the ego on it.
         s: Its arc length there, metres.
@@ -102,7 +130,7 @@ def show_others(
     squares = np.empty(OBJECTS)
     found = 0
     for j in range(objects.shape[0]):
-        dx, dy = objects[j, 0] - ego[0], objects[j, 1] - ego[1]
+        dx, dy = objects[j, Col.X] - ego[Col.X], objects[j, Col.Y] - ego[Col.Y]
         square = dx * dx + dy * dy
         if square > SIGHT * SIGHT or (found == OBJECTS and square >= squares[found - 1]):
             continue
@@ -114,42 +142,43 @@ def show_others(
         nearest[place], squares[place] = j, square
     for k in range(found):
         j = nearest[k]
-        _show_other(ego, objects[j], sizes[j, 0], sizes[j, 1], kinds[j], points, cursor, s, out[k])
+        _show_other(ego, objects[j], sizes[j], kinds[j], points, cursor, s, out[k])
 
 
 @compiled
 def _show_other(
     ego: FloatArray,
     other: FloatArray,
-    length: float,
-    width: float,
+    size: FloatArray,
     kind: int,
     points: FloatArray,
     cursor: int,
     s: float,
     out: Float32Array,
 ) -> None:
-    cos, sin = math.cos(ego[2]), math.sin(ego[2])
-    dx, dy = other[0] - ego[0], other[1] - ego[1]
-    turn = other[2] - ego[2]
-    out[0] = 1.0
-    out[1] = LENGTH_SCALE * (dx * cos + dy * sin)
-    out[2] = LENGTH_SCALE * (dy * cos - dx * sin)
-    out[3], out[4] = math.cos(turn), math.sin(turn)
-    out[5] = SPEED_SCALE * math.hypot(other[3], other[4])
-    out[6], out[7] = _LENGTH * length, _WIDTH * width
-    out[8], out[9] = kind == 1, kind == 2
+    cos, sin = math.cos(ego[Col.YAW]), math.sin(ego[Col.YAW])
+    dx, dy = other[Col.X] - ego[Col.X], other[Col.Y] - ego[Col.Y]
+    turn = other[Col.YAW] - ego[Col.YAW]
+    out[OtherInput.PRESENT] = 1.0
+    out[OtherInput.AHEAD] = LENGTH_SCALE * (dx * cos + dy * sin)
+    out[OtherInput.LEFT] = LENGTH_SCALE * (dy * cos - dx * sin)
+    out[OtherInput.COS], out[OtherInput.SIN] = math.cos(turn), math.sin(turn)
+    out[OtherInput.SPEED] = SPEED_SCALE * math.hypot(other[Col.VX], other[Col.VY])
+    out[OtherInput.LENGTH] = _LENGTH * size[SizeCol.LENGTH]
+    out[OtherInput.WIDTH] = _WIDTH * size[SizeCol.WIDTH]
+    out[OtherInput.IS_WALKER] = kind == ObjectKind.WALKER
+    out[OtherInput.IS_OBSTACLE] = kind == ObjectKind.OBSTACLE
     first, last = max(cursor - _BEHIND, 0), min(cursor + _AHEAD, points.shape[0] - 2)
     near, i = np.inf, first
     for p in range(first, last + 1):
-        square = (other[0] - points[p, 0]) ** 2 + (other[1] - points[p, 1]) ** 2
+        square = (other[Col.X] - points[p, 0]) ** 2 + (other[Col.Y] - points[p, 1]) ** 2
         if square < near:
             near, i = square, p
     ux, uy = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
     span = max(math.hypot(ux, uy), 1e-9)
     ux, uy = ux / span, uy / span
-    dx, dy = other[0] - points[i, 0], other[1] - points[i, 1]
-    out[10] = LENGTH_SCALE * (points[i, 2] + dx * ux + dy * uy - s)
-    out[11] = _ASIDE_SCALE * (ux * dy - uy * dx)
-    out[12] = SPEED_SCALE * (other[3] * ux + other[4] * uy)
-    out[13] = SPEED_SCALE * (ux * other[4] - uy * other[3])
+    dx, dy = other[Col.X] - points[i, 0], other[Col.Y] - points[i, 1]
+    out[OtherInput.ALONG] = LENGTH_SCALE * (points[i, WayCol.ARC] + dx * ux + dy * uy - s)
+    out[OtherInput.ASIDE] = _ASIDE_SCALE * (ux * dy - uy * dx)
+    out[OtherInput.SPEED_ALONG] = SPEED_SCALE * (other[Col.VX] * ux + other[Col.VY] * uy)
+    out[OtherInput.SPEED_ACROSS] = SPEED_SCALE * (ux * other[Col.VY] - uy * other[Col.VX])

@@ -19,6 +19,7 @@ divides by two and multiplies by pi. Boxes are shown at 0.7 of their size, as in
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 from functools import lru_cache
 
 import numpy as np
@@ -32,8 +33,10 @@ from drivora_service.agents.puffer_drive.policy import (
     VEHICLE_SIZE,
     VEHICLES,
 )
+from drivora_service.agents.puffer_drive.road import RoadCol
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import Float32Array, FloatArray
+from drivora_service.observations.trace import Col, SizeCol
 
 SIZE_SHARE = 0.7
 """Share of its length and width of all vehicles in the policy's training."""
@@ -46,6 +49,40 @@ _WIDTH_SCALE, _LENGTH_SCALE = SIZE_SHARE / 15.0, SIZE_SHARE / 30.0
 _DIRECTION_SCALE = 0.5 * math.pi
 _LINE_WIDTH = 0.001
 _ROAD_AT = EGO_SIZE + VEHICLES * VEHICLE_SIZE
+
+
+class _OwnInput(IntEnum):
+    """Inputs on the ego itself; the last of them, a collision, stays 0."""
+
+    GOAL_AHEAD = 0
+    GOAL_LEFT = 1
+    SPEED = 2
+    WIDTH = 3
+    LENGTH = 4
+
+
+class _VehicleInput(IntEnum):
+    """Inputs of one other vehicle."""
+
+    AHEAD = 0
+    LEFT = 1
+    WIDTH = 2
+    LENGTH = 3
+    COS = 4
+    SIN = 5
+    SPEED = 6
+
+
+class _RoadInput(IntEnum):
+    """Inputs of one piece of road."""
+
+    AHEAD = 0
+    LEFT = 1
+    HALF_LENGTH = 2
+    WIDTH = 3
+    COS = 4
+    SIN = 5
+    KIND = 6
 
 
 @compiled
@@ -71,39 +108,42 @@ def encode(
         goal: (2,) metres.
         objects: (n, 9) perceived actors.
         sizes: (n, 2) metres.
-        road: (m, 6) ``road.road_pieces``.
+        road: (m, 6) columns ``RoadCol``.
         out: (1847,) filled.
     """
     out[:] = 0.0
-    x, y, cos, sin = ego[0], ego[1], math.cos(ego[2]), math.sin(ego[2])
+    x, y, cos, sin = ego[Col.X], ego[Col.Y], math.cos(ego[Col.YAW]), math.sin(ego[Col.YAW])
     dx, dy = goal[0] - x, goal[1] - y
-    out[0] = _HUNDREDTH * (dx * cos + dy * sin)
-    out[1] = _HUNDREDTH * (dy * cos - dx * sin)
-    out[2] = _HUNDREDTH * abs(speed)
-    out[3] = _WIDTH_SCALE * size[1]
-    out[4] = _LENGTH_SCALE * size[0]
+    out[_OwnInput.GOAL_AHEAD] = _HUNDREDTH * (dx * cos + dy * sin)
+    out[_OwnInput.GOAL_LEFT] = _HUNDREDTH * (dy * cos - dx * sin)
+    out[_OwnInput.SPEED] = _HUNDREDTH * abs(speed)
+    out[_OwnInput.WIDTH] = _WIDTH_SCALE * size[SizeCol.WIDTH]
+    out[_OwnInput.LENGTH] = _LENGTH_SCALE * size[SizeCol.LENGTH]
     at = EGO_SIZE
     for j in _nearest(objects, x, y, SIGHT, VEHICLES):
-        dx, dy = objects[j, 0] - x, objects[j, 1] - y
-        turn = objects[j, 2] - ego[2]
-        out[at] = _HUNDREDTH * (dx * cos + dy * sin)
-        out[at + 1] = _HUNDREDTH * (dy * cos - dx * sin)
-        out[at + 2] = _WIDTH_SCALE * sizes[j, 1]
-        out[at + 3] = _LENGTH_SCALE * sizes[j, 0]
-        out[at + 4] = _DIRECTION_SCALE * math.cos(turn)
-        out[at + 5] = _DIRECTION_SCALE * math.sin(turn)
-        out[at + 6] = _HUNDREDTH * math.hypot(objects[j, 3], objects[j, 4])
+        dx, dy = objects[j, Col.X] - x, objects[j, Col.Y] - y
+        turn = objects[j, Col.YAW] - ego[Col.YAW]
+        out[at + _VehicleInput.AHEAD] = _HUNDREDTH * (dx * cos + dy * sin)
+        out[at + _VehicleInput.LEFT] = _HUNDREDTH * (dy * cos - dx * sin)
+        out[at + _VehicleInput.WIDTH] = _WIDTH_SCALE * sizes[j, SizeCol.WIDTH]
+        out[at + _VehicleInput.LENGTH] = _LENGTH_SCALE * sizes[j, SizeCol.LENGTH]
+        out[at + _VehicleInput.COS] = _DIRECTION_SCALE * math.cos(turn)
+        out[at + _VehicleInput.SIN] = _DIRECTION_SCALE * math.sin(turn)
+        out[at + _VehicleInput.SPEED] = _HUNDREDTH * math.hypot(
+            objects[j, Col.VX], objects[j, Col.VY]
+        )
         at += VEHICLE_SIZE
     at = _ROAD_AT
     for j in _nearest(road, x, y, _ROAD_SIGHT, ROAD_PIECES):
-        dx, dy = road[j, 0] - x, road[j, 1] - y
-        out[at] = _HUNDREDTH * (dx * cos + dy * sin)
-        out[at + 1] = _HUNDREDTH * (dy * cos - dx * sin)
-        out[at + 2] = _HUNDREDTH * road[j, 4]
-        out[at + 3] = _LINE_WIDTH
-        out[at + 4] = _DIRECTION_SCALE * (road[j, 2] * cos + road[j, 3] * sin)
-        out[at + 5] = _DIRECTION_SCALE * (road[j, 3] * cos - road[j, 2] * sin)
-        out[at + 6] = road[j, 5]
+        dx, dy = road[j, RoadCol.X] - x, road[j, RoadCol.Y] - y
+        ux, uy = road[j, RoadCol.DIRECTION_X], road[j, RoadCol.DIRECTION_Y]
+        out[at + _RoadInput.AHEAD] = _HUNDREDTH * (dx * cos + dy * sin)
+        out[at + _RoadInput.LEFT] = _HUNDREDTH * (dy * cos - dx * sin)
+        out[at + _RoadInput.HALF_LENGTH] = _HUNDREDTH * road[j, RoadCol.HALF_LENGTH]
+        out[at + _RoadInput.WIDTH] = _LINE_WIDTH
+        out[at + _RoadInput.COS] = _DIRECTION_SCALE * (ux * cos + uy * sin)
+        out[at + _RoadInput.SIN] = _DIRECTION_SCALE * (uy * cos - ux * sin)
+        out[at + _RoadInput.KIND] = road[j, RoadCol.KIND]
         at += ROAD_SIZE
 
 
@@ -127,4 +167,13 @@ def _nearest(places: FloatArray, x: float, y: float, reach: float, count: int) -
 def compile_encoding() -> None:
     """Compiles the functions of this module, before an agent's first step."""
     two, out = np.zeros(2), np.zeros(OBSERVATION_SIZE, dtype=np.float32)
-    encode(np.zeros(9), 0.0, two, two, np.zeros((1, 9)), np.ones((1, 2)), np.zeros((1, 6)), out)
+    encode(
+        np.zeros(9),
+        0.0,
+        two,
+        two,
+        np.zeros((1, 9)),
+        np.ones((1, 2)),
+        np.zeros((1, len(RoadCol))),
+        out,
+    )

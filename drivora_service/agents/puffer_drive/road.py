@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from functools import lru_cache
 
 import numpy as np
@@ -11,6 +12,22 @@ from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.drivable_area import drivable_area
 from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.networks.routes.lane_route import LaneRoute
+
+
+class RoadCol(IntEnum):
+    """Columns of pieces of road."""
+
+    X = 0
+    Y = 1
+    """Of its middle, metres."""
+    DIRECTION_X = 2
+    DIRECTION_Y = 3
+    """Of unit length."""
+    HALF_LENGTH = 4
+    """Metres."""
+    KIND = 5
+    """``LANE``, ``LINE`` or ``EDGE``."""
+
 
 LANE, LINE, EDGE = 0.0, 1.0, 2.0
 """Kinds of pieces: along the middle of a lane, the line at its left, the edge of the road."""
@@ -27,11 +44,7 @@ _BESIDE_ROUTE = 120.0
 
 @lru_cache(maxsize=32)
 def road_pieces(network: RoadNetwork) -> FloatArray:
-    """Returns the (n, 6) pieces of a network's roads.
-
-    Returns:
-        Middle x and y, direction x and y of unit length, half the length, and the kind; metres.
-    """
+    """Returns the (n, 6) pieces of a network's roads, columns ``RoadCol``."""
     edges = shapely.boundary(drivable_area(network))
     lanes = [lane for lane in network.lanes if lane.drivable]
     lines = [_left_border(lane) for lane in lanes if not lane.is_internal]
