@@ -10,6 +10,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from drivora_service.agents.idm.run_following import WayCol
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.networks.routes.line_tracking import track_line
@@ -105,13 +106,13 @@ def see_from_way(
     """Fills in the predicted states of all actors relative to a way.
 
     Args:
-        way: (n, 4) x, y and arc length of its points, metres.
+        way: (n, 4) its points, columns ``WayCol``.
         cursor: Segment of the ego.
         sizes: (m, 2) columns ``SizeCol``.
         future: (K, m, 4) as filled by ``forecast``.
         seen: (K, m, 5) filled, columns ``SeenCol``.
     """
-    line, arc = way[:, :2], way[:, 2]
+    line, arc = way[:, :2], way[:, WayCol.ARC]
     first, last = max(cursor - 25, 0), min(cursor + 160, line.shape[0] - 2)
     for j in range(sizes.shape[0]):
         at = first

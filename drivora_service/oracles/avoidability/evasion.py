@@ -137,7 +137,7 @@ def _evade(
         speed = slower
         arc += mean * step
         i = place_on(path, arc, i)
-        heading = pose_on(path, arc, i)[2]
+        _, _, heading = pose_on(path, arc, i)
         turned = side * (yaw - heading)
         if t * step >= manoeuvre.time:
             turn_back = True

@@ -21,7 +21,7 @@ from drivora_service.geometry.boxes import boxes_overlap
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.planned_motion import PlannedMotion
 from drivora_service.observations.reference_path import poses_at
-from drivora_service.observations.trace import PoseCol
+from drivora_service.observations.trace import Col, PoseCol
 from drivora_service.scenario.model import EgoVehicle, Scenario
 from drivora_service.scenario.models.actor_models import ActorKind, actor_model
 
@@ -43,7 +43,7 @@ class UsableArea:
     """The area of one ego.
 
     Attributes:
-        places: (n, 4) time (s), x, y (m) and heading (rad) of boxes that are part of it.
+        places: (n, 4) of boxes that are part of it, columns ``PoseCol`` up to the heading.
         length: Length of each, metres.
         width: Width of each, metres.
     """
@@ -132,16 +132,18 @@ def _enters(
     for t in range(times.shape[0]):
         if not present[t]:
             continue
-        while first < places.shape[0] and places[first, 0] < times[t] - before:
+        x, y, yaw = poses[t, Col.X], poses[t, Col.Y], poses[t, Col.YAW]
+        while first < places.shape[0] and places[first, PoseCol.TIME] < times[t] - before:
             first += 1
         for k in range(first, places.shape[0]):
-            if places[k, 0] > times[t] + after:
+            if places[k, PoseCol.TIME] > times[t] + after:
                 break
-            if abs(places[k, 1] - poses[t, 0]) > reach or abs(places[k, 2] - poses[t, 1]) > reach:
+            area_x, area_y = places[k, PoseCol.X], places[k, PoseCol.Y]
+            if abs(area_x - x) > reach or abs(area_y - y) > reach:
                 continue
             if boxes_overlap(
-                places[k, 1], places[k, 2], places[k, 3], area_length, area_width,
-                poses[t, 0], poses[t, 1], poses[t, 2], length, width,
+                area_x, area_y, places[k, PoseCol.YAW], area_length, area_width,
+                x, y, yaw, length, width,
             ):  # fmt: skip
                 return True
     return False

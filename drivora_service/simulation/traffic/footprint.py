@@ -15,7 +15,7 @@ import numpy as np
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import FloatArray, Int32Array
 from drivora_service.networks.road_network import RoadNetwork
-from drivora_service.networks.segment_index import CELL, segment_index
+from drivora_service.networks.segment_index import CELL, SegmentCol, segment_index
 from drivora_service.observations.trace import LEVEL_GAP
 
 REACH = 0.2
@@ -140,8 +140,9 @@ def _lanes_under(
             for item in range(cell_starts[cell], cell_starts[cell + 1]):
                 i = cell_items[item]
                 half = half_widths[lanes[i]]
-                ux, uy, span = segments[i, 2], segments[i, 3], segments[i, 4]
-                dx, dy = x - segments[i, 0], y - segments[i, 1]
+                ux, uy = segments[i, SegmentCol.COS], segments[i, SegmentCol.SIN]
+                span, arc = segments[i, SegmentCol.LENGTH], segments[i, SegmentCol.ARC]
+                dx, dy = x - segments[i, SegmentCol.X], y - segments[i, SegmentCol.Y]
                 for k in range(4):
                     ahead = 0.5 * length if k < 2 else -0.5 * length
                     left = 0.5 * width if k in (0, 3) else -0.5 * width
@@ -158,8 +159,8 @@ def _lanes_under(
                 corners = _cut(one, corners, 1, 1.0, half, two)
                 if corners < 3:
                     continue
-                begin = segments[i, 5] + two[:corners, 0].min()
-                end = segments[i, 5] + two[:corners, 0].max()
+                begin = arc + two[:corners, 0].min()
+                end = arc + two[:corners, 0].max()
                 j = 0
                 while j < count and found[j, _FoundCol.LANE] != lanes[i]:
                     j += 1
