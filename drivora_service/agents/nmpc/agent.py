@@ -9,6 +9,7 @@ are those of ``idm``, the forecast that of ``pdm-closed``.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from enum import IntEnum
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -31,9 +32,11 @@ from drivora_service.agents.nmpc.problem import (
     BOX,
     BOXES,
     REFERENCE,
+    SLACKS,
     STAGES,
     CarLimits,
     ReferenceCol,
+    StateCol,
     problem_for,
 )
 from drivora_service.agents.nmpc.reference import (
@@ -67,6 +70,16 @@ _OVERSPEED = 5.0
 """m/s beyond the car's top speed that a plan may reach: a scenario may begin there."""
 _HOLD = -1.0
 """Commanded acceleration at rest, m/s²."""
+
+
+class _Logged(IntEnum):
+    """Columns of the agent's log."""
+
+    SOLVED = 0
+    ITERATIONS = 1
+    PLANNED_SPEED = 2
+    SLACK = 3
+    HALT_DISTANCE = 4
 
 
 class NmpcAgent:
@@ -107,7 +120,7 @@ class NmpcAgent:
         self._plan = LastPlan(context.step_length)
         self._asked = 0.0
         self._log = context.log
-        self._log.declare("solved", "iterations", "planned_speed", "slack", "halt_distance")
+        self._log.declare(*(column.name.lower() for column in _Logged))
 
     def run_step(self, observation: Observation) -> AccelerationControl:
         """Returns the first control of the plan; without a solution, brakes along the last plan."""
@@ -123,17 +136,18 @@ class NmpcAgent:
         sides = self._places[:, PlaceCol.LEAST :]
         found = self._problem.solve(start, reference, sides, boxes, *guess)
         row = self._log.row
-        row[0], row[1] = float(found.solved), found.iterations
-        row[3], row[4] = 0.0, halt_distance
+        row[_Logged.SOLVED], row[_Logged.ITERATIONS] = float(found.solved), found.iterations
+        row[_Logged.SLACK], row[_Logged.HALT_DISTANCE] = 0.0, halt_distance
         if found.solved:
             asked, steer = self._plan.take(found.states, found.inputs, (x, y))
-            row[2], row[3] = found.states[-1, 3], found.inputs[:, 2:].max()
+            row[_Logged.PLANNED_SPEED] = found.states[-1, StateCol.SPEED]
+            row[_Logged.SLACK] = found.inputs[:, SLACKS].max()
             self._log.plan(found.states[:, :2] + (x, y))
         else:
             if not self._plan.failures:
                 self._log.event(f"no plan ({found.status}): brakes along the last one")
             steer = self._plan.go_on(v, observation.steer)
-            asked, row[2] = -min(HARD_BRAKING, self._max_braking), 0.0
+            asked, row[_Logged.PLANNED_SPEED] = -min(HARD_BRAKING, self._max_braking), 0.0
         if v < STANDING_SPEED and self._reference[:, ReferenceCol.SPEED].max() < STANDING_SPEED:
             asked = _HOLD
         self._asked = asked

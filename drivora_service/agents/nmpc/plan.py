@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivora_service.agents.nmpc.problem import INPUTS, STAGE_TIME, STAGES, STATES
+from drivora_service.agents.nmpc.problem import (
+    INPUTS,
+    SLACKS,
+    STAGE_TIME,
+    STAGES,
+    STATES,
+    InputCol,
+    StateCol,
+)
 from drivora_service.geometry.array_shapes import FloatArray
 
 _TIMES = STAGE_TIME * np.arange(STAGES + 1)
@@ -38,7 +46,10 @@ class LastPlan:
         self._inputs = inputs
         self._driven = 0.0
         self.failures = 0
-        acceleration, steer = (float(np.interp(self._step, _TIMES, states[:, k])) for k in (4, 5))
+        acceleration, steer = (
+            float(np.interp(self._step, _TIMES, states[:, column]))
+            for column in (StateCol.ACCELERATION, StateCol.STEER)
+        )
         return acceleration, steer
 
     def go_on(self, speed: float, steer: float) -> float:
@@ -55,7 +66,7 @@ class LastPlan:
         steps = np.hypot(*np.diff(self._states[:, :2], axis=0).T)
         arc = np.concatenate(([0.0], np.cumsum(steps)))
         ahead = self._driven + max(speed, 0.0) * self._step
-        return float(np.interp(ahead, arc, self._states[:, 5]))
+        return float(np.interp(ahead, arc, self._states[:, StateCol.STEER]))
 
     def guess(
         self, start: FloatArray, reference: FloatArray, origin: tuple[float, float]
@@ -65,10 +76,11 @@ class LastPlan:
         The last plan, shifted by a step; without one, or after a failure, the reference.
         """
         inputs = np.zeros((STAGES, INPUTS))
-        inputs[:, 2:] = 0.1
+        inputs[:, SLACKS] = 0.1
         if self._states is None or self.failures:
             states = np.zeros((STAGES + 1, STATES))
-            states[:, :5] = reference[:, :5]
+            # Their columns are the same, up to the angle of the wheels.
+            states[:, : StateCol.STEER] = reference[:, : StateCol.STEER]
         else:
             times = _TIMES + self._step
             states = np.column_stack(
@@ -76,8 +88,13 @@ class LastPlan:
             )
             states[:, :2] -= origin
             # The simulation's headings jump at half a turn.
-            turns = 2.0 * np.pi * np.round((start[2] - states[0, 2]) / (2.0 * np.pi))
-            states[:, 2] += turns
-            inputs[:, :2] = self._inputs[:, :2]
+            turns = (
+                2.0
+                * np.pi
+                * np.round((start[StateCol.YAW] - states[0, StateCol.YAW]) / (2.0 * np.pi))
+            )
+            states[:, StateCol.YAW] += turns
+            controls = (InputCol.JERK, InputCol.STEER_RATE)
+            inputs[:, controls] = self._inputs[:, controls]
         states[0] = start
         return states, inputs

@@ -2,10 +2,7 @@
 
 Direct multiple shooting (Bock, Plitt 1984): the states of all stages are unknowns beside the
 inputs. FATROP (Vanroye, Sathya, De Schutter, Decré 2023), an interior-point method that uses
-of this structure, solves it.
-
-States: x, y (metres from an origin near the car), heading, speed, acceleration, front-wheel angle.
-Inputs: jerk, rate of the wheel angle, and three slacks: ahead, aside, boxes.
+this structure, solves it. Places are in metres from an origin near the car.
 """
 
 from __future__ import annotations
@@ -26,8 +23,6 @@ from drivora_service.geometry.array_shapes import FloatArray
 STAGES = 14
 STAGE_TIME = 0.2
 """Seconds: the horizon is 2.8 s."""
-STATES = 6
-INPUTS = 5
 BOXES = 4
 MOST_JERK, HARDEST_JERK = 6.0, -30.0
 STEER_RATE = 0.6
@@ -40,6 +35,32 @@ _SIDE_ACCELERATION, _JERK, _SIDE_JERK, _WHEEL = 0.1, 0.01, 0.02, 2.0
 _SLACK_LINEAR, _SLACK_SQUARE = (50.0, 5.0, 30.0), (100.0, 10.0, 100.0)
 _HEADWAY = 0.5
 """Minimum headway of the plan in seconds; that of the reference is larger."""
+
+
+class StateCol(IntEnum):
+    """Columns of the states of a plan; the first of them are those of the reference."""
+
+    X = 0
+    Y = 1
+    YAW = 2
+    SPEED = 3
+    ACCELERATION = 4
+    STEER = 5
+    """Angle of the front wheels."""
+
+
+class InputCol(IntEnum):
+    """Columns of the inputs of a plan: two controls, and what each kind of bound is exceeded by."""
+
+    JERK = 0
+    STEER_RATE = 1
+    HALT_SLACK = 2
+    """Of halts and leaders."""
+    SIDE_SLACK = 3
+    BOX_SLACK = 4
+
+
+SLACKS = (InputCol.HALT_SLACK, InputCol.SIDE_SLACK, InputCol.BOX_SLACK)
 
 
 class ReferenceCol(IntEnum):
@@ -74,6 +95,7 @@ class BoxCol(IntEnum):
     HALF_WIDTH = 4
 
 
+STATES, INPUTS = len(StateCol), len(InputCol)
 REFERENCE, SIDES, BOX = len(ReferenceCol), len(SideCol), len(BoxCol)
 
 
@@ -200,11 +222,14 @@ def _build(
         upper += [MOST_JERK, STEER_RATE, _FAR, _FAR, _FAR]
         gap = states[k + 1] - step(x, u)
         bounded = [
-            along - p[6] - u[2],
-            along + _HEADWAY * x[3] - p[7] - u[2],
-            p[8] - aside - u[3],
-            aside - p[9] - u[3],
-            *(1.0 - distance - u[4] for distance in _distances(ca, x, p)),
+            along - p[ReferenceCol.TO_HALT] - u[InputCol.HALT_SLACK],
+            along
+            + _HEADWAY * x[StateCol.SPEED]
+            - p[ReferenceCol.TO_LEADER]
+            - u[InputCol.HALT_SLACK],
+            p[REFERENCE + SideCol.LEAST] - aside - u[InputCol.SIDE_SLACK],
+            aside - p[REFERENCE + SideCol.LARGEST] - u[InputCol.SIDE_SLACK],
+            *(1.0 - distance - u[InputCol.BOX_SLACK] for distance in _distances(ca, x, p)),
         ]
         first = [x - start] if k == 0 else []
         fixed = STATES * (1 + len(first))
@@ -212,9 +237,10 @@ def _build(
         low_g += [0.0] * fixed + [-np.inf] * len(bounded)
         up_g += [0.0] * (fixed + len(bounded))
         equal += [True] * fixed + [False] * len(bounded)
-        side_jerk = p[3] ** 2 / limits.wheelbase * u[1]
-        cost += _JERK * u[0] ** 2 + _SIDE_JERK * side_jerk**2 + _WHEEL * u[1] ** 2
-        for slack, linear, square in zip((2, 3, 4), _SLACK_LINEAR, _SLACK_SQUARE, strict=True):
+        jerk, steer_rate = u[InputCol.JERK], u[InputCol.STEER_RATE]
+        side_jerk = p[ReferenceCol.SPEED] ** 2 / limits.wheelbase * steer_rate
+        cost += _JERK * jerk**2 + _SIDE_JERK * side_jerk**2 + _WHEEL * steer_rate**2
+        for slack, linear, square in zip(SLACKS, _SLACK_LINEAR, _SLACK_SQUARE, strict=True):
             cost += linear * u[slack] + square * u[slack] ** 2
     solver = ca.nlpsol(
         "nmpc",
@@ -244,14 +270,15 @@ def _build(
 def _step_function(ca: ModuleType, wheelbase: float) -> Any:
     """Returns the states after a stage: kinematic bicycle about the centre, midpoint rule."""
     x, u = ca.SX.sym("x", STATES), ca.SX.sym("u", INPUTS)
-    slip = ca.atan(0.5 * ca.tan(x[5]))
+    yaw, speed = x[StateCol.YAW], x[StateCol.SPEED]
+    slip = ca.atan(0.5 * ca.tan(x[StateCol.STEER]))
     rate = ca.vertcat(
-        x[3] * ca.cos(x[2] + slip),
-        x[3] * ca.sin(x[2] + slip),
-        x[3] * ca.sin(slip) / (0.5 * wheelbase),
-        x[4],
-        u[0],
-        u[1],
+        speed * ca.cos(yaw + slip),
+        speed * ca.sin(yaw + slip),
+        speed * ca.sin(slip) / (0.5 * wheelbase),
+        x[StateCol.ACCELERATION],
+        u[InputCol.JERK],
+        u[InputCol.STEER_RATE],
     )
     derivative = ca.Function("derivative", [x, u], [rate])
     middle = x + 0.5 * STAGE_TIME * derivative(x, u)
@@ -260,18 +287,20 @@ def _step_function(ca: ModuleType, wheelbase: float) -> Any:
 
 def _place(ca: ModuleType, x: Any, p: Any) -> Sequence[Any]:
     """Returns metres along and to the left of a stage's reference point."""
-    dx, dy, cos, sin = x[0] - p[0], x[1] - p[1], ca.cos(p[2]), ca.sin(p[2])
+    dx, dy = x[StateCol.X] - p[ReferenceCol.X], x[StateCol.Y] - p[ReferenceCol.Y]
+    cos, sin = ca.cos(p[ReferenceCol.YAW]), ca.sin(p[ReferenceCol.YAW])
     return cos * dx + sin * dy, cos * dy - sin * dx
 
 
 def _tracking_cost(x: Any, aside: Any, p: Any, wheelbase: float) -> Any:
     """Returns the cost of deviating from the reference, and of side acceleration beyond it."""
-    side = p[3] ** 2 * (x[5] / wheelbase - p[5])
+    bend = x[StateCol.STEER] / wheelbase
+    side = p[ReferenceCol.SPEED] ** 2 * (bend - p[ReferenceCol.CURVATURE])
     return (
         _LATERAL * aside**2
-        + _HEADING * (x[2] - p[2]) ** 2
-        + _SPEED * (x[3] - p[3]) ** 2
-        + _ACCELERATION * (x[4] - p[4]) ** 2
+        + _HEADING * (x[StateCol.YAW] - p[ReferenceCol.YAW]) ** 2
+        + _SPEED * (x[StateCol.SPEED] - p[ReferenceCol.SPEED]) ** 2
+        + _ACCELERATION * (x[StateCol.ACCELERATION] - p[ReferenceCol.ACCELERATION]) ** 2
         + _SIDE_ACCELERATION * side**2
     )
 
@@ -282,7 +311,9 @@ def _distances(ca: ModuleType, x: Any, p: Any) -> list[Any]:
     for number in range(BOXES):
         first = REFERENCE + SIDES + BOX * number
         box = p[first : first + BOX]
-        dx, dy, cos, sin = x[0] - box[0], x[1] - box[1], ca.cos(box[2]), ca.sin(box[2])
-        along, across = (cos * dx + sin * dy) / box[3], (cos * dy - sin * dx) / box[4]
+        dx, dy = x[StateCol.X] - box[BoxCol.X], x[StateCol.Y] - box[BoxCol.Y]
+        cos, sin = ca.cos(box[BoxCol.YAW]), ca.sin(box[BoxCol.YAW])
+        along = (cos * dx + sin * dy) / box[BoxCol.HALF_LENGTH]
+        across = (cos * dy - sin * dx) / box[BoxCol.HALF_WIDTH]
         found.append((along**4 + across**4 + 1e-4) ** 0.25)
     return found
