@@ -29,11 +29,18 @@ ENVIRONMENT = {
     "RAY_memory_monitor_refresh_ms": "0",
     # Of a machine that is busy with other tests.
     "RAY_raylet_start_wait_time_s": "180",
-    # A node that was killed is noticed in seconds.
+    # A node that was killed refuses connections, and is noticed in seconds; one that is only slow
+    # has the whole time-out of each check.
     "RAY_health_check_initial_delay_ms": "1000",
-    "RAY_health_check_period_ms": "1000",
-    "RAY_health_check_failure_threshold": "20",
+    "RAY_health_check_period_ms": "200",
+    "RAY_health_check_failure_threshold": "15",
+    # For so long nodes look for a head that is gone before they end; usually a minute.
+    "RAY_gcs_rpc_server_reconnect_timeout_s": "10",
 }
+
+
+SILENCE_S = 12.0
+"""Seconds without news after which a test takes a cluster that it has ended for lost."""
 
 
 class Cluster:
@@ -41,7 +48,7 @@ class Cluster:
 
     Attributes:
         address: Its address, once it has begun.
-        nodes: Ids of the nodes with which it has begun.
+        nodes: Ids of the nodes that perform runs.
     """
 
     def __init__(self, process: subprocess.Popen[str]) -> None:
@@ -55,11 +62,13 @@ class Cluster:
 
     def add(self, cpus: int) -> str:
         """Adds a node; returns its id."""
-        return self._ask(f"add {cpus}")
+        self.nodes.append(self._ask(f"add {cpus}"))
+        return self.nodes[-1]
 
     def kill(self, node: str) -> None:
         """Kills a node with all its processes."""
         self._ask(f"kill {node}")
+        self.nodes.remove(node)
 
     def end(self) -> None:
         """Ends the cluster with all its nodes."""
@@ -105,7 +114,8 @@ def ray_cluster(*cpus: int) -> Iterator[Cluster]:
         cluster = Cluster(process)
         try:
             cluster.begin()
-            cluster.nodes += [cluster.add(number) for number in cpus]
+            for number in cpus:
+                cluster.add(number)
             yield cluster
         finally:
             cluster.end()

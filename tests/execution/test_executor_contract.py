@@ -89,6 +89,13 @@ def start(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Start]:
         yield start_executor
 
 
+of_a_worker = pytest.mark.parametrize("start", ["local"], indirect=True)
+"""Of what happens between a worker and its slot: the slots of a node are those of one machine.
+
+That limits, causes, signals and logs also pass through a cluster is in the tests on both.
+"""
+
+
 def wait_for_slots(executor: Executor) -> None:
     limit = time.monotonic() + 120
     while len(executor.slots()) < SLOTS:
@@ -120,6 +127,7 @@ def test_each_cause_of_death_is_distinguished_and_the_slot_stays_usable(start: S
     assert sum(slot.restarts for slot in executor.slots()) >= 4
 
 
+@of_a_worker
 def test_an_early_crash_is_not_taken_for_a_loss(start: Start) -> None:
     executor = start()
     ends = [run(executor, "segfault") for _ in range(25)]
@@ -146,6 +154,7 @@ def test_a_hung_agent_is_named(start: Start, document: str) -> None:
     assert_usable(executor)
 
 
+@of_a_worker
 def test_a_run_that_hangs_elsewhere_is_timed_out(start: Start) -> None:
     executor = start(limits=replace(LIMITS, wall_time_s=1.5))
     report = run(executor, "hangs").report
@@ -153,6 +162,7 @@ def test_a_run_that_hangs_elsewhere_is_timed_out(start: Start) -> None:
     assert_usable(executor)
 
 
+@of_a_worker
 def test_a_run_that_grows_is_ended(start: Start) -> None:
     executor = start(limits=replace(LIMITS, agent_deadline_s=15.0))
     simulator = run(executor, "grows").report
@@ -173,6 +183,7 @@ def test_a_worker_killed_from_outside_is_lost_to_the_infrastructure(start: Start
     assert_usable(executor)
 
 
+@of_a_worker
 def test_an_idle_worker_that_is_killed_is_replaced(start: Start) -> None:
     executor = start()
     first = run(executor, "sleep 0.2").report
@@ -281,6 +292,7 @@ def test_workers_have_the_environment_that_makes_results_repeatable(start: Start
     assert environment["OMP_NUM_THREADS"] == environment["NUMBA_NUM_THREADS"] == "1"
 
 
+@of_a_worker
 def test_what_a_dead_worker_started_dies_with_it(start: Start) -> None:
     executor = start()
     worker = int(str(run(executor, "sleep 0").report.versions["pid"]))

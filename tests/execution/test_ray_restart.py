@@ -19,11 +19,12 @@ from unittest import mock
 import psutil
 import pytest
 
+from drivora_service.execution.ray import ray_connection
 from drivora_service.execution.ray.preconditions import explain
 from drivora_service.execution.ray.ray_executor import RayExecutor
 from drivora_service.runs.run_report import RunSpec, RunStatus
 from tests.execution.attempts import LIMITS, TASKS, pid_of, run, wait_for
-from tests.execution.ray_cluster import kill_node, supervised_node, until
+from tests.execution.ray_cluster import SILENCE_S, kill_node, supervised_node, until
 
 _LONG_S = 300.0
 _ALONE = ("unshare", "--user", "--map-root-user", "--pid", "--fork", "--mount-proc")
@@ -125,11 +126,13 @@ def runs(process: psutil.Process) -> bool:
     return False
 
 
-@pytest.mark.slow(seconds=150)
+@pytest.mark.slow(seconds=60)
 @pytest.mark.usefixtures("token")
 def test_runs_are_performed_again_after_the_head_was_started_again(
-    address: str, folder: Path, tmp_path: Path
+    address: str, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(ray_connection, "_SILENCE_S", SILENCE_S)
+
     def node(*options: str) -> psutil.Process:
         return parts.enter_context(supervised_node(*options, folder=folder))
 
