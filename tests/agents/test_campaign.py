@@ -31,7 +31,7 @@ def _networks() -> NetworkCatalogue:
 
 def seeds(town: str, agent: str, count: int = 10) -> list[Scenario]:
     documents = generate_seeds(
-        network(town), count=count, min_length=150.0, max_length=700.0, seed=7, agent=agent
+        network(town), count=count, min_length=150.0, max_length=350.0, seed=7, agent=agent
     )
     return [
         replace(
