@@ -26,10 +26,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import httpx
 from sqlalchemy import create_engine, text
@@ -60,6 +60,7 @@ class Plan:
         servers: Servers.
         workers: Workers of each.
         kill_every_s: Mean of the seconds between two kills.
+        most_kills: Kills after which there are no more; ``None``: they go on to the end.
         down_s: Seconds for which a killed server is away.
         hang_every_s: Mean of the seconds between two stops of a server that goes on; 0: none.
         hang_s: Seconds for which it is stopped.
@@ -72,6 +73,7 @@ class Plan:
     servers: int = 3
     workers: int = 1
     kill_every_s: float = 20.0
+    most_kills: int | None = None
     down_s: float = 10.0
     hang_every_s: float = 0.0
     hang_s: float = 40.0
@@ -126,6 +128,34 @@ class Outcome:
         )
 
 
+class Process(Protocol):
+    """A process that was started; `subprocess.Popen` has these methods."""
+
+    def poll(self) -> int | None:
+        """Returns its exit code, if it has ended."""
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Waits for its end, and returns its exit code."""
+
+    def send_signal(self, number: int, /) -> None:
+        """Sends it a signal."""
+
+
+Begin = Callable[[Sequence[str], Mapping[str, str], Path], Process]
+"""Begins ``drivora`` with arguments and an environment, and appends what it prints to a file."""
+
+
+def begin_command(arguments: Sequence[str], environment: Mapping[str, str], log: Path) -> Process:
+    """Begins ``drivora`` as a shell does."""
+    with log.open("ab") as output:
+        return subprocess.Popen(
+            [sys.executable, "-m", "drivora_service.cli", *arguments],
+            stdout=output,
+            stderr=output,
+            env=environment,
+        )
+
+
 @dataclass(slots=True)
 class Server:
     """A server that may be killed and started again, at the same address, or stopped."""
@@ -133,8 +163,9 @@ class Server:
     folder: Path
     name: str
     workers: int
+    begin: Begin = begin_command
     port: int = field(default_factory=lambda: _free_port())
-    process: subprocess.Popen[bytes] | None = None
+    process: Process | None = None
     killed_at: float = 0.0
     continues_at: float | None = None
     was_ready: bool = False
@@ -174,15 +205,12 @@ class Server:
     def start(self) -> None:
         """Starts it."""
         self.was_ready = False
-        command = [sys.executable, "-m", "drivora_service.cli", "serve"]
         options = ["--data-dir", str(self.folder), "--workers", str(self.workers)]
-        with (self.folder / f"{self.name}.log").open("ab") as log:
-            self.process = subprocess.Popen(
-                [*command, *options, "--host", "127.0.0.1", "--port", str(self.port)],
-                stdout=log,
-                stderr=log,
-                env={**os.environ, "DRIVORA_DRAIN_S": "0"},
-            )
+        self.process = self.begin(
+            ["serve", *options, "--host", "127.0.0.1", "--port", str(self.port)],
+            {**os.environ, "DRIVORA_DRAIN_S": "0"},
+            self.folder / f"{self.name}.log",
+        )
 
     def is_ready(self) -> bool:
         """Returns whether it answers, and can work.
@@ -212,11 +240,11 @@ class Server:
 class Fleet:
     """The servers, of which one is killed or stopped now and then."""
 
-    def __init__(self, folder: Path, plan: Plan) -> None:
+    def __init__(self, folder: Path, plan: Plan, begin: Begin) -> None:
         """Starts all of them, and waits until they are ready."""
         self._plan, self._random = plan, random.Random(plan.seed)
         names = [f"server-{number}" for number in range(plan.servers)]
-        self.servers = [Server(folder, name, plan.workers) for name in names]
+        self.servers = [Server(folder, name, plan.workers, begin) for name in names]
         self.kills = self.hangs = self.refused = 0
         for server in self.servers:
             server.start()
@@ -249,7 +277,9 @@ class Fleet:
         if now >= self._kill_at:
             chosen.end(signal.SIGKILL)
             self.kills += 1
-            self._kill_at = self._next(self._plan.kill_every_s)
+            most = self._plan.most_kills
+            is_last = most is not None and self.kills >= most
+            self._kill_at = self._next(math.inf if is_last else self._plan.kill_every_s)
         else:
             chosen.hang(self._plan.hang_s)
             self.hangs += 1
@@ -279,17 +309,18 @@ class Fleet:
         return time.monotonic() + self._random.uniform(0.5, 1.5) * mean_s
 
 
-def measure(url: str, folder: Path, plan: Plan) -> Outcome:
+def measure(url: str, folder: Path, plan: Plan, begin: Begin = begin_command) -> Outcome:
     """Serves, kills and counts.
 
     Args:
         url: Address of an empty database of PostgreSQL.
         folder: Data folder of all servers.
         plan: What is done.
+        begin: Begins the servers.
     """
     begun = time.monotonic()
     os.environ["DRIVORA_DATABASE_URL"] = url
-    fleet = Fleet(folder, plan)
+    fleet = Fleet(folder, plan, begin)
     try:
         campaign = fleet.request(
             "POST",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.store.database import open_database
 from drivora_service.store.traces.trace_folders import TraceFolder
 from drivora_service.store.upkeep.store_verification import verify
+from tests.command_process import Begun, begin
 from tests.faults import processes
 from tests.forked_service import begin_service, forked_service, wait_until_ready
 from tests.postgresql_server import PostgresqlServer
@@ -27,15 +28,15 @@ from tests.postgresql_server import PostgresqlServer
 _LONGEST_S = 120.0
 
 
-@pytest.mark.slow(seconds=40)
+@pytest.mark.slow(seconds=25)
 def test_what_killed_servers_leave_is_done_by_the_others_and_judged_once(
     postgresql: PostgresqlServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # `measure` sets it.
     monkeypatch.setenv("DRIVORA_DATABASE_URL", os.environ.get("DRIVORA_DATABASE_URL", ""))
     url = postgresql.create(migrated=False)
-    plan = Plan(runs=150, batch=50, simulations=30, kill_every_s=3.0, down_s=4.0)
-    outcome = measure(url, tmp_path, plan)
+    plan = Plan(runs=90, batch=30, simulations=20, kill_every_s=1.5, most_kills=3, down_s=2.0)
+    outcome = measure(url, tmp_path, plan, begun)
     database = open_database(url)
     contradictions = list(verify(database, TraceFolder(tmp_path / "traces")))
     database.close()
@@ -85,6 +86,10 @@ def test_a_late_trace_of_a_server_that_hung_is_not_that_of_the_run(
     assert traces.remove(job) > 0
     assert list(traces.root.rglob(f"{job}*")) == []
     postgresql.drop(url)
+
+
+def begun(arguments: Sequence[str], environment: Mapping[str, str], log: Path) -> Begun:
+    return begin(*arguments, folder=log.parent, environment=environment, out=log, err=log)
 
 
 @contextmanager
