@@ -46,7 +46,12 @@ class Begun:
 
 
 def begin(
-    *arguments: str | Path, folder: Path, environment: Mapping[str, str], out: Path, err: Path
+    *arguments: str | Path,
+    folder: Path,
+    environment: Mapping[str, str],
+    out: Path,
+    err: Path,
+    umask: int | None = None,
 ) -> Begun:
     """Begins ``drivora`` with these arguments, and does not wait for it.
 
@@ -56,16 +61,25 @@ def begin(
         environment: Its environment.
         out: File to which it prints; it is appended to.
         err: File of its errors; may be the same.
+        umask: Its umask; ``None``: that of the fork server.
     """
     process = multiprocessing.get_context("forkserver").Process(
         target=_run_command,
-        args=([*map(str, arguments)], folder, dict(environment), out, err, _fork_server_address()),
+        args=(
+            [*map(str, arguments)],
+            folder,
+            dict(environment),
+            out,
+            err,
+            umask,
+            fork_server_address(),
+        ),
     )
     process.start()
     return Begun(process)
 
 
-def _fork_server_address() -> str:
+def fork_server_address() -> str:
     """Returns the address of the fork server of this process, which is started if need be."""
     forkserver.ensure_running()
     address: str = _fork_server()._forkserver_address
@@ -78,13 +92,14 @@ def _run_command(
     environment: dict[str, str],
     out: Path,
     err: Path,
+    umask: int | None,
     address: str,
 ) -> None:
     """Is ``drivora`` with these arguments: ends as it does, with its exit code.
 
     Its workers come from the fork server at an address.
     """
-    _use_fork_server(address)
+    use_fork_server(address)
     os.chdir(folder)
     os.environ.clear()
     os.environ.update(environment)
@@ -95,6 +110,8 @@ def _run_command(
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         os.dup2(file, descriptor)
         os.close(file)
+    if umask is not None:
+        os.umask(umask)
     sys.argv = ["drivora", *arguments]
     from drivora_service.cli.main import app
     from tests.built_commands import COMMANDS
@@ -103,7 +120,7 @@ def _run_command(
         app()
 
 
-def _use_fork_server(address: str) -> None:
+def use_fork_server(address: str) -> None:
     """Uses a fork server that runs; one for each command would only repeat its imports.
 
     Commands that a shell starts, as the pages of the documentation do, have one of their own.

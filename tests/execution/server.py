@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 from drivora_service.execution.dispatcher import Dispatcher
@@ -14,10 +16,17 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.store.locks.server_lock import ServerLock
 from drivora_service.store.runs.run_records import JobFilter
 from drivora_service.store.traces.trace_folders import TraceFolder
+from tests.command_process import use_fork_server
 from tests.execution.owners import server
 
 
-def main(data_dir: Path) -> None:
+def forked(data_dir: Path, fork_server: str, told: Connection) -> None:
+    """Serves ``data_dir`` with workers from the fork server at an address; tells once it does."""
+    use_fork_server(fork_server)
+    main(data_dir, lambda: told.send("serving"))
+
+
+def main(data_dir: Path, on_start: Callable[[], None] = lambda: None) -> None:
     """Serves ``data_dir``; ends when nothing is left to do."""
     lock = ServerLock(data_dir)
     database = open_database(f"sqlite:///{data_dir / 'drivora.sqlite3'}")
@@ -32,7 +41,7 @@ def main(data_dir: Path) -> None:
     infrastructure = Infrastructure({"database": database.probe})
     dispatcher = Dispatcher(database, executor, traces, infrastructure, server(database, data_dir))
     dispatcher.start()
-    print("serving", flush=True)
+    on_start()
     while any(slot.run_id for slot in executor.slots()) or waiting(database):
         time.sleep(0.05)
     dispatcher.stop(drain_s=5.0)
@@ -48,4 +57,4 @@ def waiting(database: Database) -> bool:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), lambda: print("serving", flush=True))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import multiprocessing
 import os
 import random
 import signal
@@ -13,6 +14,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from datetime import UTC, datetime
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any, cast
 
@@ -30,9 +32,12 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.store.runs.run_records import JobFilter, NewRun, Priority
 from drivora_service.store.traces.trace_folders import TraceFolder
 from drivora_service.store.upkeep.store_verification import verify
+from tests.command_process import fork_server_address
 from tests.execution.owners import server
+from tests.execution.server import forked
 
 TASKS = "tests.execution.worker_tasks:perform"
+RUNS = 120
 
 
 @pytest.fixture
@@ -236,30 +241,43 @@ def test_no_worker_outlives_its_server(
     assert left == []
 
 
+def forked_server(data_dir: Path) -> BaseProcess:
+    """Starts a server from the fork server of the tests, which its workers come from, too."""
+    heard, told = multiprocessing.Pipe()
+    process = multiprocessing.get_context("forkserver").Process(
+        target=forked, args=(data_dir, fork_server_address(), told)
+    )
+    process.start()
+    told.close()
+    assert heard.recv() == "serving"
+    heard.close()
+    return process
+
+
 @pytest.mark.slow
 def test_nothing_is_lost_or_counted_twice_when_the_server_is_killed(
     database: Database, tmp_path: Path
 ) -> None:
-    runs = submit(database, *(f"sleep {0.03 + 0.0001 * number}" for number in range(200)))
+    runs = submit(database, *(f"sleep {0.03 + 0.0001 * number}" for number in range(RUNS)))
     luck = random.Random(7)
     interrupted = 0
     for _ in range(3):
-        server = start_server(tmp_path)
+        server = forked_server(tmp_path)
         wait_until_running(database, 1)
-        time.sleep(luck.uniform(0.0, 3.0))
+        time.sleep(luck.uniform(0.0, 1.5))
         server.kill()
-        server.communicate(timeout=10)
+        server.join(10)
         interrupted += statuses(database)[RunStatus.RUNNING]
-    server = start_server(tmp_path)
-    server.communicate(timeout=120)
-    assert server.returncode == 0
-    assert statuses(database) == {RunStatus.FINISHED: 200}
+    server = forked_server(tmp_path)
+    server.join(120)
+    assert server.exitcode == 0
+    assert statuses(database) == {RunStatus.FINISHED: RUNS}
     with database.read() as transaction:
         reports = transaction.jobs.reports(runs)
         outcomes = [[attempt.outcome for attempt in transaction.jobs.attempts(run)] for run in runs]
         done = transaction.jobs.page(JobFilter(statuses=frozenset({RunStatus.FINISHED})), limit=999)
     assert set(reports) == set(runs)
-    assert len(done.items) == 200
+    assert len(done.items) == RUNS
     assert all(outcome[-1] == "finished" for outcome in outcomes)
     assert all(set(outcome[:-1]) <= {"interrupted"} for outcome in outcomes)
     assert sum(len(outcome) - 1 for outcome in outcomes) == interrupted > 0
@@ -367,8 +385,10 @@ class Faulty:
 
 @pytest.mark.parametrize("name", ["submit", "wait", "slots", "cancel", "fault", "withdraw"])
 def test_runs_continue_after_any_exception_of_the_executor(
-    database: Database, tmp_path: Path, name: str
+    database: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
+    monkeypatch.setattr(Backoff, "pause_s", lambda *_: 0.1)
+
     def wrap(executor: LocalExecutor) -> Executor:
         return cast("Executor", Faulty(executor, name, times=3))
 

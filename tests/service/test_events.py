@@ -19,7 +19,7 @@ from drivora_service.store.changes.change_lists import ChangedKind
 from drivora_service.store.database import open_database
 from tests.forked_service import killed_service
 
-RUNS = 300
+RUNS = 120
 KILLS = 2
 
 

@@ -18,7 +18,7 @@ from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.store.database import open_database
 from tests.forked_service import forked_service, killed_service
 
-RUNS = 60
+RUNS = 44
 KILLS = 3
 
 

@@ -28,7 +28,16 @@ from tests.command_process import begin
 from tests.forked_service import forked_service, killed_service
 from tests.postgresql_server import PostgresqlServer
 
-RUNS = 40
+RUNS, SIMULATIONS = 24, 20
+CAMPAIGN = {
+    "name": "tee",
+    "tester": {"name": "avfuzzer"},
+    "agent": {"name": "idm"},
+    "scenario": SCENARIO,
+    "oracles": ["collision", "discomfort"],
+    "budget": {"simulations": SIMULATIONS},
+    "seed": 3,
+}
 _LONGEST_S = 240.0
 
 
@@ -49,12 +58,15 @@ def batch_lines() -> str:
     return "\n".join(json.dumps(documents[n % 20] | {"seed": n}) for n in range(RUNS))
 
 
-@pytest.mark.slow(seconds=40)
+@pytest.mark.slow(seconds=30)
 def test_a_killed_service_loses_nothing_and_its_dump_is_restored(
     postgresql: PostgresqlServer, url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     data = tmp_path / "data"
     with killed_service(data) as (_, address), httpx.Client(timeout=60.0) as client:
+        answer = client.post(f"{address}/api/v1/campaigns", json=CAMPAIGN)
+        campaign = f"/campaigns/{answer.raise_for_status().json()['id']}"
+        until(client, f"{address}/api/v1{campaign}", lambda one: one["counts"]["evaluations"] >= 8)
         answer = client.post(
             f"{address}/api/v1/batches",
             content=batch_lines(),
@@ -62,6 +74,8 @@ def test_a_killed_service_loses_nothing_and_its_dump_is_restored(
         )
         batch = answer.raise_for_status().json()["batch"]["id"]
         wait_for(client, f"{address}/api/v1/batches/{batch}", done=8)
+        told = client.get(f"{address}/api/v1{campaign}").raise_for_status().json()
+        assert told["state"] == "running"
     assert not (data / "drivora.sqlite3").exists()
     with (
         forked_service(data, workers=2) as address,
@@ -69,10 +83,12 @@ def test_a_killed_service_loses_nothing_and_its_dump_is_restored(
     ):
         wait_for(client, f"/batches/{batch}", done=RUNS)
         counts = client.get(f"/batches/{batch}").json()["counts"]
-        first = client.get("/runs", params={"limit": 1}).raise_for_status().json()["items"][0]
+        first = client.get("/runs", params={"batch": batch, "limit": 1}).raise_for_status()
+        ended = until(client, campaign, lambda one: one["state"] != "running")
     assert sum(counts.values()) == RUNS
     assert counts[RunStatus.FINISHED] == RUNS
-    assert first["status"] == RunStatus.FINISHED
+    assert first.json()["items"][0]["status"] == RunStatus.FINISHED
+    assert (ended["state"], ended["counts"]["evaluations"]) == ("finished", SIMULATIONS)
     assert contradictions(url, data) == []
 
     dump = tmp_path / "drivora.dump"
@@ -92,30 +108,8 @@ def test_a_killed_service_loses_nothing_and_its_dump_is_restored(
         httpx.Client(base_url=f"{address}/api/v1", timeout=60.0) as client,
     ):
         assert client.get(f"/batches/{batch}").raise_for_status().json()["counts"] == counts
+        assert client.get(campaign).raise_for_status().json()["counts"] == ended["counts"]
     postgresql.drop(restored_url)
-
-
-@pytest.mark.slow(seconds=40)
-def test_a_campaign_goes_on_after_its_service_was_killed(url: str, tmp_path: Path) -> None:
-    data, simulations = tmp_path / "data", 24
-    content = {
-        "name": "tee",
-        "tester": {"name": "avfuzzer"},
-        "agent": {"name": "idm"},
-        "scenario": SCENARIO,
-        "oracles": ["collision", "discomfort"],
-        "budget": {"simulations": simulations},
-        "seed": 3,
-    }
-    with killed_service(data) as (_, address), httpx.Client(timeout=60.0) as client:
-        answer = client.post(f"{address}/api/v1/campaigns", json=content)
-        campaign = f"/api/v1/campaigns/{answer.raise_for_status().json()['id']}"
-        told = until(client, address + campaign, lambda one: one["counts"]["evaluations"] >= 8)
-        assert told["state"] == "running"
-    with forked_service(data, workers=2) as address, httpx.Client(timeout=60.0) as client:
-        ended = until(client, address + campaign, lambda one: one["state"] != "running")
-    assert (ended["state"], ended["counts"]["evaluations"]) == ("finished", simulations)
-    assert contradictions(url, data) == []
 
 
 @pytest.mark.slow

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import stat
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,13 +14,15 @@ import pytest
 from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.cli.application.service_process import run_service
 from tests.api.test_campaigns import small_campaign
+from tests.command_process import begin
 
 PREFIX = "/api/v1"
+UMASK = 0o022
 
 
 @pytest.fixture
 def open_umask() -> Iterator[None]:
-    before = os.umask(0o022)
+    before = os.umask(UMASK)
     yield
     os.umask(before)
 
@@ -42,8 +42,11 @@ def follow(client: httpx.Client, url: str, key: str, final: set[str]) -> None:
         time.sleep(0.2)
 
 
-def drivora(*arguments: str) -> None:
-    subprocess.run([sys.executable, "-m", "drivora_service.cli", *arguments], check=True)
+def drivora(folder: Path, *arguments: str | Path) -> None:
+    log = folder / "printed"
+    environment = dict(os.environ)
+    begun = begin(*arguments, folder=folder, environment=environment, out=log, err=log, umask=UMASK)
+    assert begun.wait(300) == 0, log.read_text()
 
 
 @pytest.mark.usefixtures("open_umask")
@@ -54,8 +57,8 @@ def test_every_file_of_a_run_a_campaign_and_a_backup_is_private(tmp_path: Path) 
         campaign = client.post(f"{PREFIX}/campaigns", json=small_campaign("random"))
         follow(client, job, "status", {"finished"})
         follow(client, campaign.headers["Location"], "state", {"finished"})
-        drivora("tokens", "create", "ci", "--data-dir", str(data))
-        drivora("store", "backup", str(backup), "--data-dir", str(data))
+        drivora(tmp_path, "tokens", "create", "ci", "--data-dir", data)
+        drivora(tmp_path, "store", "backup", backup, "--data-dir", data)
         names = {path.name for path in data.rglob("*")}
         assert {"drivora.sqlite3", "drivora.sqlite3-wal", "service.json", "tokens.json"} <= names
         assert list(data.glob("traces/**/*.parquet"))

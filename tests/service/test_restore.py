@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
-import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -13,24 +12,21 @@ from typing import Any
 import httpx
 import pytest
 
-from drivora_service.cli.application.service_process import run_service
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seed_generation import generate_seeds
+from tests.command_process import begin
+from tests.forked_service import forked_service
 
 RUNS = 6
 
 
-def drivora(*arguments: str) -> str:
-    done = subprocess.run(
-        [sys.executable, "-m", "drivora_service.cli", *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+def drivora(folder: Path, *arguments: str) -> str:
+    printed = folder / "printed"
+    printed.write_bytes(b"")
+    begun = begin(*arguments, folder=folder, environment=os.environ, out=printed, err=printed)
+    assert begun.wait(300.0) == 0, printed.read_text()
+    return printed.read_text()
 
 
 def runs_of(client: httpx.Client) -> dict[str, dict[str, Any]]:
@@ -45,7 +41,7 @@ def test_a_destroyed_data_folder_is_restored_from_its_backup(tmp_path: Path) -> 
     seeds = generate_seeds(network, count=RUNS, min_length=60, max_length=90, seed=8, agent="idm")
     lines = "\n".join(json.dumps(json.loads(document_text(seed))) for seed in seeds)
     data, backup = tmp_path / "data", tmp_path / "backup"
-    with run_service(data, workers=2) as url:
+    with forked_service(data, workers=2) as url:
         with httpx.Client(base_url=f"{url}/api/v1", timeout=60.0) as client:
             posted = client.post(
                 "/batches", content=lines, headers={"Content-Type": "application/x-ndjson"}
@@ -57,7 +53,7 @@ def test_a_destroyed_data_folder_is_restored_from_its_backup(tmp_path: Path) -> 
                 time.sleep(0.2)
             before = runs_of(client)
         # While the service runs.
-        drivora("store", "backup", str(backup), "--data-dir", str(data))
+        drivora(tmp_path, "store", "backup", str(backup), "--data-dir", str(data))
     assert len(before) == RUNS
     traces = {path.name: path.read_bytes() for path in (data / "traces").rglob("*.parquet")}
     assert len(traces) == RUNS
@@ -65,9 +61,10 @@ def test_a_destroyed_data_folder_is_restored_from_its_backup(tmp_path: Path) -> 
     shutil.rmtree(data)
     shutil.copytree(backup, data)
     data.chmod(0o700)
-    assert "0 contradictions" in drivora("store", "verify", "--hashes", "--data-dir", str(data))
+    told = drivora(tmp_path, "store", "verify", "--hashes", "--data-dir", str(data))
+    assert "0 contradictions" in told
     with (
-        run_service(data, workers=1) as url,
+        forked_service(data, workers=1) as url,
         httpx.Client(base_url=f"{url}/api/v1", timeout=60.0) as client,
     ):
         assert runs_of(client) == before

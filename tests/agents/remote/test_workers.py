@@ -83,7 +83,7 @@ def test_the_example_drives_the_same_twice_and_on_two_workers(agents: Path) -> N
             scenario(ego(*route, agent=EXAMPLE.name), seconds=40.0, seed=seed),
             background_traffic=BackgroundTraffic(count=10),
         )
-        for seed in (1, 2, 3)
+        for seed in (1, 2)
     ]
     specs = specs_of(iter(drives))
     hashes: list[dict[str, str]] = []
@@ -115,7 +115,7 @@ def test_many_failing_runs_leave_nothing_behind(agents: Path) -> None:
         add_agent(agents, what, step=1.0 if what == "hangs" else 20.0)
     add_agent(agents, "drives")
     # A good run after every five bad ones, on slots that take turns.
-    order = [what for _ in range(8) for what in (*causes, "drives")]
+    order = [what for _ in range(4) for what in (*causes, "drives")]
     specs = specs_of(one_ego(what) for what in order)
     open_before = psutil.Process().num_fds()
     # The service that other tests share, if one of them came before.
@@ -123,7 +123,7 @@ def test_many_failing_runs_leave_nothing_behind(agents: Path) -> None:
     with executor(agents, 2) as workers:
         reports: dict[str, RunReport] = {r.run_id: r for r in run_all(workers, specs)}
         slots = workers.slots()
-    assert len(reports) == 48
+    assert len(reports) == 24
     for spec, what in zip(specs, order, strict=True):
         report = reports[spec.run_id]
         if what == "drives":
