@@ -120,7 +120,7 @@ fuzz: $(DEV_STAMP) ## Fuzz the parsers: INPUTS=1000000, PARSER=name for one
 
 # Each process of these tests has a service with two workers of its own, which are mostly idle.
 test-faults: $(DEV_STAMP) ## Faults injected into a real service; TRIALS=20 at other random moments
-	TRIALS=$(TRIALS) FAULT_TABLE=$(FAULT_TABLE) $(BIN)/python -m pytest -n 2 --dist worksteal \
+	TRIALS=$(TRIALS) FAULT_TABLE=$(FAULT_TABLE) $(BIN)/python -m pytest -n 3 --dist worksteal \
 	  -m faults tests/faults
 
 # A real service with runs, campaigns and studies, and a real browser, which comes as a package.

@@ -17,7 +17,7 @@ from tests.faults.service_under_test import Service
 from tests.faults.work import good_runs
 
 HALF_OPEN = 500
-CANCELS = 12
+CANCELS = 8
 
 
 def connect(service: Service) -> socket.socket:
@@ -49,7 +49,7 @@ def half_open(service: Service, count: int) -> Iterator[list[socket.socket]]:
 def test_clients_hang_up_in_request_and_answer(
     service: Service, check: Judge, luck: random.Random, trial: int
 ) -> None:
-    work = service.post(good_runs(20))
+    work = service.post(good_runs(12))
     body = good_runs(1)[0].document.encode()
     request = b"POST /api/v1/scenarios:validate HTTP/1.1\r\nHost: localhost\r\n"
     request += b"Content-Type: application/json\r\n"
@@ -67,7 +67,7 @@ def test_clients_hang_up_in_request_and_answer(
 
 
 def test_five_hundred_half_open_connections(service: Service, check: Judge, trial: int) -> None:
-    work = service.post(good_runs(20))
+    work = service.post(good_runs(12))
     with half_open(service, HALF_OPEN) as opened:
         latencies = [service.latency("/healthz") for _ in range(20)]
         time.sleep(1.0)
@@ -80,7 +80,7 @@ def test_cancelled_when_runs_end(
     service: Service, check: Judge, luck: random.Random, trial: int
 ) -> None:
     """One job of some, and one whole batch, at the moments when their runs end."""
-    work = service.post(good_runs(30))
+    work = service.post(good_runs(16))
     with service.client() as client:
         for number in range(CANCELS):
             other = service.post(good_runs(3))

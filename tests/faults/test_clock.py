@@ -25,7 +25,7 @@ def test_the_clock_jumps_by_an_hour(
     offset = tmp_path / "offset"
     service.variables = {jumping_clock.VARIABLE: str(offset)}
     service.start()
-    work = service.post(good_runs(24))
+    work = service.post(good_runs(16))
     service.wait_until_ended(work, 5)
     offset.write_text(str(3600 * hours))
     time.sleep(3.0)

@@ -47,7 +47,7 @@ def ends(service: Service, work: Work, agent: str) -> set[tuple[str, str]]:
 
 @pytest.mark.parametrize("agent", ENDS)
 def test_dies_or_hangs(service: Service, check: Judge, agent: str, trial: int) -> None:
-    work = service.post(among(good_runs(12), [agent], seed=trial))
+    work = service.post(among(good_runs(6), [agent], seed=trial))
     check(service, work)
     found = ends(service, work, agent)
     assert found <= ENDS[agent], found
@@ -66,13 +66,13 @@ def leave_nothing(argument: int) -> None:
 def test_what_leaves_its_session_ends_with_its_run(
     service: Service, check: Judge, trial: int
 ) -> None:
-    work = service.post(among(good_runs(12), ["daemoniser"] * 2, seed=trial))
+    work = service.post(among(good_runs(6), ["daemoniser"] * 2, seed=trial))
     check(service, work)
     leave_nothing(DAEMON_S)
 
 
 def test_memory_of_children_counts(service: Service, check: Judge, trial: int) -> None:
-    work = service.post(among(good_runs(12), ["child-eater"], seed=trial))
+    work = service.post(among(good_runs(6), ["child-eater"], seed=trial))
     check(service, work)
     assert ends(service, work, "child-eater") == {("agent_failed", "memory_limit")}
 
@@ -89,7 +89,7 @@ def test_a_flood_of_lines_is_bounded_on_disk(service: Service, check: Judge, tri
     watcher = threading.Thread(target=measure)
     watcher.start()
     try:
-        work = service.post(among(good_runs(12), ["flooder"] * 2, seed=trial))
+        work = service.post(among(good_runs(6), ["flooder"] * 2, seed=trial))
         check(service, work)
     finally:
         over.set()
@@ -114,11 +114,11 @@ def test_tampers_with_its_worker(service: Service, check: Judge, agent: str, tri
     """Twice beside good runs; the second batch is done by workers that went through it."""
     shutil.rmtree(service.evidence, ignore_errors=True)
     service.evidence.mkdir()
-    first = among(good_runs(10), [agent, agent], seed=trial)
+    first = among(good_runs(6), [agent, agent], seed=trial)
     target = service.post(good_runs(1))
     (service.evidence / "target").write_text(next(iter(target.runs)))
     work = service.post(first)
-    later = service.post(among(good_runs(8), ["segfault", "flooder"], seed=trial + 50))
+    later = service.post(among(good_runs(4), ["segfault", "flooder"], seed=trial + 50))
     for each in (work, later, target):
         check(service, each)
     assert not (service.evidence / "unpickled").exists(), "the server unpickled an agent's bytes"

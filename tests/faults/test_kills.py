@@ -62,8 +62,8 @@ def the_server(service: Service, luck: random.Random) -> None:
 def test_killed(
     service: Service, check: Judge, luck: random.Random, kill: Fault, trial: int
 ) -> None:
-    work = service.post(good_runs(24))
-    service.wait_until_ended(work, luck.randrange(2, 10))
+    work = service.post(good_runs(16))
+    service.wait_until_ended(work, luck.randrange(2, 7))
     time.sleep(luck.uniform(0.0, 0.3))
     kill(service, luck)
     check(service, work)
@@ -73,7 +73,7 @@ def test_workers_killed_at_random_moments(
     service: Service, check: Judge, luck: random.Random, trial: int
 ) -> None:
     """Two deaths of a run's workers are few enough that it must be finished, three are not."""
-    work = service.post(good_runs(36))
+    work = service.post(good_runs(24))
     for _ in range(5):
         time.sleep(luck.uniform(0.2, 1.2))
         wait_until(
@@ -124,7 +124,7 @@ def test_a_run_in_flight_at_three_deaths_of_the_server_goes_last(
 def test_the_engine_of_a_campaign_killed(
     service: Service, check: Judge, luck: random.Random, trial: int
 ) -> None:
-    simulations = 30
+    simulations = 20
     with service.client() as client:
         answer = client.post("/campaigns", json=campaign(simulations)).raise_for_status()
         address = f"/campaigns/{answer.json()['id']}"

@@ -75,7 +75,7 @@ def files_of_workers_may_not_grow(service: Service) -> Iterator[None]:
     "fault", [no_descriptors_for_the_server, no_memory_for_workers, files_of_workers_may_not_grow]
 )
 def test_runs_short(service: Service, check: Judge, fault: Fault, trial: int) -> None:
-    work = service.post(good_runs(24))
+    work = service.post(good_runs(16))
     service.wait_until_ended(work, 3)
     with fault(service):
         time.sleep(5.0)
@@ -87,7 +87,7 @@ def test_more_clients_than_descriptors(own_service: Service, check: Judge, trial
     service = own_service
     service.prefix = ("prlimit", f"--nofile={DESCRIPTORS}:{DESCRIPTORS}")
     service.start()
-    work = service.post(good_runs(20))
+    work = service.post(good_runs(12))
     crowd: list[socket.socket] = []
     try:
         for _ in range(CROWD):
@@ -116,7 +116,7 @@ def test_a_first_process_that_does_not_reap(own_service: Service, check: Judge, 
         *(sys.executable, "-c", INIT),
     )
     service.start()
-    work = service.post(among(good_runs(16), ["child-hanger", "daemoniser"] * 2, seed=trial))
+    work = service.post(among(good_runs(8), ["child-hanger", "daemoniser"] * 2, seed=trial))
     check(service, work)
     wait_until(
         lambda: not processes.with_argument(str(CHILD_S)),

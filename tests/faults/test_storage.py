@@ -21,7 +21,7 @@ from tests.faults.service_under_test import Service
 from tests.faults.volumes import full, small_volume
 from tests.faults.work import good_runs
 
-FAULT_S = 6.0
+FAULT_S = 4.0
 """Seconds that a fault lasts."""
 
 LOCKED_S = 40.0
@@ -73,7 +73,7 @@ def workers_folder_removed(service: Service) -> Iterator[None]:
 
 @pytest.mark.parametrize("fault", [traces_removed, traces_are_a_file, workers_folder_removed])
 def test_a_folder_cannot_be_used(service: Service, check: Judge, fault: Fault, trial: int) -> None:
-    work = service.post(good_runs(24))
+    work = service.post(good_runs(16))
     service.wait_until_ended(work, 3)
     before = lines(service)
     with fault(service):
@@ -90,7 +90,7 @@ def test_the_volume_of_traces_full(own_service: Service, check: Judge, trial: in
     with small_volume(service.data / "traces", megabytes=16) as traces:
         try:
             service.start()
-            work = service.post(good_runs(24))
+            work = service.post(good_runs(16))
             service.wait_until_ended(work, 2)
             before = lines(service)
             with full(traces):
@@ -114,7 +114,7 @@ def test_the_volume_of_all_data_full(own_service: Service, check: Judge, trial: 
     with small_volume(service.data, megabytes=24):
         try:
             service.start()
-            work = service.post(good_runs(24))
+            work = service.post(good_runs(16))
             service.wait_until_ended(work, 2)
             before = lines(service)
             with full(service.data):
@@ -156,7 +156,7 @@ def test_an_uploaded_network_that_does_not_fit(
 
 def test_the_database_locked_by_another_process(service: Service, check: Judge, trial: int) -> None:
     """Reads go on, writes are refused in bounded time, runs wait."""
-    work = service.post(good_runs(30))
+    work = service.post(good_runs(16))
     service.wait_until_ended(work, 3)
     before = lines(service)
     paths = ("/healthz", "/readyz", f"/api/v1/batches/{work.batch}")
