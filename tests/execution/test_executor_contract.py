@@ -154,7 +154,6 @@ def test_a_hung_agent_is_named(start: Start, document: str) -> None:
     assert_usable(executor)
 
 
-@of_a_worker
 def test_a_run_that_hangs_elsewhere_is_timed_out(start: Start) -> None:
     executor = start(limits=replace(LIMITS, wall_time_s=1.5))
     report = run(executor, "hangs").report
