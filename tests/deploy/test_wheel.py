@@ -1,12 +1,17 @@
-"""The wheel is the whole product: installed into an empty environment, used without a checkout."""
+"""The wheel is the whole product: installed into an empty environment, used without a checkout.
+
+Its demo runs at a terminal, where the page stays until Ctrl-C; elsewhere it ends by itself
+(`tests/cli/test_commands.py`). A shell starts services of a wheel in `test_ci_templates.py`.
+"""
 
 from __future__ import annotations
 
 import json
 import os
+import pty
 import re
+import select
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -22,6 +27,7 @@ import pytest
 from tests.deploy.machine_code import copy_machine_code
 
 _TIME_LIMIT_S = 600.0
+_PAGE = re.compile(r"The page, until Ctrl-C ends the service:\s+(http://\S+)")
 _KEPT = ("LANG", "LD_LIBRARY_PATH", "PATH", "SSL_CERT_FILE", "UV_CACHE_DIR", "UV_INDEX_URL")
 
 
@@ -53,27 +59,32 @@ class Installation:
         return done.stdout
 
     @contextmanager
-    def serving(self) -> Iterator[str]:
-        """Starts a service and yields its address when it is ready."""
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
-        url = f"http://127.0.0.1:{port}"
-        log = self.folder / "service.log"
-        with log.open("w") as target:
-            process = subprocess.Popen(
-                [self.drivora, "serve", "--port", str(port), "--workers", "1"],
-                cwd=self.folder,
-                env=self.variables,
-                stdout=target,
-                stderr=subprocess.STDOUT,
-            )
+    def demo_at_a_terminal(self, *options: str) -> Iterator[tuple[str, httpx.URL]]:
+        """Runs the demo until it shows the address of its page; interrupts it at the end.
+
+        Yields what it has shown until then, and the address.
+        """
+        screen, terminal = pty.openpty()
+        process = subprocess.Popen(
+            [self.drivora, "demo", *options],
+            stdin=terminal,
+            stdout=terminal,
+            stderr=terminal,
+            cwd=self.folder,
+            env=self.variables,
+            start_new_session=True,
+        )
+        os.close(terminal)
         try:
-            _wait_until_ready(url, process, log)
-            yield url
-        finally:
-            process.send_signal(signal.SIGTERM)
+            shown, page = _read_until(screen, _PAGE, within_s=_TIME_LIMIT_S)
+            yield shown, httpx.URL(page)
+            assert process.poll() is None
+            process.send_signal(signal.SIGINT)
             assert process.wait(_TIME_LIMIT_S) == 0
+        finally:
+            process.kill()
+            process.wait()
+            os.close(screen)
 
 
 @pytest.fixture(scope="module")
@@ -144,29 +155,35 @@ def test_a_user_needs_no_checkout(installation: Installation, repository: Path) 
     assert (installation.folder / "results" / "walker-behind-van.trace.parquet").is_file()
     assert "smoke" in installation.run("suite", "list", "smoke")
 
-    demo = installation.run("demo", "--num", "2", "--simulations", "8")
-    assert "2 of 2 runs judged" in demo
-
-    with installation.serving() as url:
-        page = httpx.get(url)
-        assert page.is_success
+    options = ("--num", "2", "--simulations", "8", "--workers", "1")
+    with installation.demo_at_a_terminal(*options) as (shown, address):
+        assert "2 of 2 runs judged" in shown
+        page = httpx.get(address)
+        assert page.status_code == 200
+        assert page.headers["content-type"].startswith("text/html")
         assert "<title>Drivora" in page.text
         parts = re.findall(r'(?:src|href)="(/[^"]+\.(?:js|css))"', page.text)
         assert parts
         for part in parts:
-            assert httpx.get(f"{url}{part}").is_success
-        listed = httpx.get(f"{url}/api/v1/networks").json()["items"]
+            assert httpx.get(address.join(part)).is_success
+        campaign = httpx.get(address.join(f"/api/v1{address.path}")).json()
+        assert campaign["state"] == "finished"
+        listed = httpx.get(address.join("/api/v1/networks")).json()["items"]
         assert {"tee-town", "grid-district"} & {one["name"] for one in listed}
+    with pytest.raises(httpx.ConnectError):
+        httpx.get(address)
 
 
-def _wait_until_ready(url: str, process: subprocess.Popen[bytes], log: Path) -> None:
-    ends = time.monotonic() + _TIME_LIMIT_S
-    while time.monotonic() < ends:
-        assert process.poll() is None, log.read_text()
-        try:
-            if httpx.get(f"{url}/readyz", timeout=30).is_success:
-                return
-        except httpx.TransportError:
-            pass
-        time.sleep(0.2)
-    raise AssertionError(log.read_text())
+def _read_until(screen: int, wanted: re.Pattern[str], *, within_s: float) -> tuple[str, str]:
+    """Reads a terminal until it shows a pattern; returns all that it showed, and the group."""
+    shown = ""
+    deadline = time.monotonic() + within_s
+    while time.monotonic() < deadline:
+        if select.select([screen], [], [], 1.0)[0]:
+            try:
+                shown += os.read(screen, 65536).decode(errors="replace")
+            except OSError:
+                break  # The process has ended, and with it the terminal.
+        if found := wanted.search(shown):
+            return shown, found[1]
+    raise AssertionError(f"{wanted.pattern} was not shown, but:\n{shown}")
