@@ -6,6 +6,7 @@ import re
 import threading
 from pathlib import Path
 from typing import Protocol
+from weakref import WeakValueDictionary
 
 from drivora_service.errors import UnknownName
 from drivora_service.networks.network_loading import load_network
@@ -17,6 +18,10 @@ _NAME = re.compile(r"[A-Za-z0-9_-]{1,64}", re.ASCII)
 _SUFFIX = ".net.xml"
 
 _Version = tuple[int, int, int]
+
+# A process has several catalogues, and a worker those that its fork server has left: each reads
+# only what no other one has. Networks are read-only.
+_in_use: WeakValueDictionary[tuple[Path, _Version], RoadNetwork] = WeakValueDictionary()
 
 
 def shipped_networks() -> Path:
@@ -44,7 +49,7 @@ class NetworkLookup(Protocol):
 
 
 class NetworkCatalogue:
-    """Networks by name, each read once in a process.
+    """Networks by name, each read once in a process, also if it has several catalogues.
 
     A folder of networks holds ``NAME/NAME.net.xml`` (with ``provenance.yaml`` beside it) or
     ``NAME.net.xml``. A shipped network cannot be replaced by an imported one of the same name.
@@ -98,7 +103,10 @@ class NetworkCatalogue:
         with self._locks.setdefault(name, threading.Lock()):
             known = self._networks.get(name)
             if known is None or known[0] != version or known[1].path != path:
-                known = (version, load_network(path, name))
+                network = _in_use.get((path, version))
+                if network is None:
+                    network = _in_use[path, version] = load_network(path, name)
+                known = (version, network)
                 self._networks[name] = known
             return known[1]
 

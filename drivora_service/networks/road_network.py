@@ -141,7 +141,7 @@ class SignalProgram:
     phases: tuple[SignalPhase, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, weakref_slot=True, kw_only=True, eq=False)
 class RoadNetwork:
     """A road network, read once in a process and shared by all runs and agents: read-only.
 

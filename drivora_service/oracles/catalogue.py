@@ -111,6 +111,12 @@ class OracleCatalogue:
         """The traffic laws."""
         return self._library
 
+    @property
+    def has_others(self) -> bool:
+        """Whether there are oracles or laws that do not come with Drivora."""
+        laws = (name for name in self._laws if not self._library.is_shipped(name))
+        return bool(self._installed_names() or self._library.broken) or any(laws)
+
     def names(self) -> tuple[str, ...]:
         """Returns all names in the order of judging: built-in ones, laws, then packages' sorted.
 

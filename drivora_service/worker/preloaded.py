@@ -8,6 +8,7 @@ agent or oracle from outside this package.
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 
 # The fork server may still be importing when its owner has ended; a reader of the owner's output
@@ -30,3 +31,7 @@ with contextlib.suppress(Exception):
     warm_up(WorkerSetup(shipped_networks=shipped_networks(), installed_oracles=False))
     # The first report compiles how reports are written.
     frame_of_report(RunReport(run_id="warm-up", status=RunStatus.FINISHED))
+
+# Collections of garbage in workers would visit all of it, and so copy the memory that they share.
+gc.collect()
+gc.freeze()

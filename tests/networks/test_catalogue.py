@@ -40,6 +40,22 @@ def test_a_network_is_read_once(folders: tuple[Path, Path]) -> None:
     assert catalogue.get("flat") is network
 
 
+def test_another_catalogue_has_the_network_that_is_read_already(
+    folders: tuple[Path, Path],
+) -> None:
+    shipped, imported = folders
+    catalogue, other = NetworkCatalogue(shipped), NetworkCatalogue(shipped, imported)
+    network = catalogue.get("ring")
+    assert other.get("ring") is network
+    assert other.is_current(network)
+    # A file of the same size and times in another folder is another network.
+    assert NetworkCatalogue(imported).get("ring") is not network
+    path = shipped / "ring" / "ring.net.xml"
+    path.write_text(path.read_text() + " ")
+    assert not other.is_current(network)
+    assert other.get("ring") is not network
+
+
 def test_a_network_is_read_again_when_it_was_imported_again(folders: tuple[Path, Path]) -> None:
     shipped, imported = folders
     catalogue = NetworkCatalogue(shipped, imported)

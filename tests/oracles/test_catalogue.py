@@ -64,6 +64,7 @@ def test_without_packages_there_are_the_built_in_ones_in_their_order() -> None:
     assert catalogue.oracles() == (*default_oracles(), *catalogue.laws())
     assert tuple(law.name for law in catalogue.laws()) == LAWS
     assert catalogue.load_installed() == ()
+    assert not catalogue.has_others
     entry = catalogue.entry("off_road")
     assert (
         entry.description
@@ -86,6 +87,7 @@ def test_installed_oracles_judge_after_the_others_by_their_names(
     install_oracles(tmp_path, monkeypatch, "top_speed", "moody", "collision")
     catalogue = OracleCatalogue()
     assert catalogue.names() == (*BUILT_IN, *LAWS, "moody", "top_speed")
+    assert catalogue.has_others
     verdicts = judge_all(fast_drive(), ROAD, catalogue.oracles())
     own = (*default_oracles(), *catalogue.laws())
     assert verdicts[:-2] == judge_all(fast_drive(), ROAD, own)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import multiprocessing
 from typing import Any
+from unittest import mock
 
 import pytest
 
@@ -11,8 +13,10 @@ from drivora_service.agents.idm_mobil import incentive
 from drivora_service.agents.pdm_closed import proposals, scoring
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.oracles.avoidability import braking_evasion, evasion, risk
+from drivora_service.oracles.laws.sources import LawSource
 from drivora_service.simulation.motion import step_kernels
 from drivora_service.simulation.sumo import is_started
+from drivora_service.worker import worker_warm_up
 from drivora_service.worker.setup import WorkerSetup
 from drivora_service.worker.worker_warm_up import warm_up
 
@@ -34,3 +38,31 @@ def test_the_kernels_of_agents_and_oracles_are_compiled() -> None:
     )
     assert all(kernel.dispatcher.signatures for kernel in kernels)
     assert is_started()
+
+
+LAW = b"""\
+laws:
+  - name: never_fast
+    title: Never fast
+    source: nobody
+    description: The ego is fast.
+    severity: minor
+    formula: always (speed < 2)
+"""
+
+
+def runs_of_warm_up(setup: WorkerSetup) -> int:
+    """Returns how many runs a worker performs in its warm-up."""
+    with mock.patch.object(worker_warm_up, "perform") as perform:
+        warm_up(setup)
+    return perform.call_count
+
+
+@pytest.mark.parametrize(("laws", "runs"), [((), 0), ((LawSource(file="own.yaml", data=LAW),), 1)])
+def test_a_worker_repeats_only_what_its_fork_server_cannot_have_done(
+    laws: tuple[LawSource, ...], runs: int
+) -> None:
+    setup = WorkerSetup(shipped_networks=shipped_networks(), laws=laws)
+    with multiprocessing.get_context("forkserver").Pool(1) as worker:
+        assert worker.apply(runs_of_warm_up, (setup,)) == runs
+    assert runs_of_warm_up(setup) == 4
