@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import sqlite3
 import time
@@ -18,14 +19,23 @@ from tests.command_process import Begun, begin
 from tests.suites.minimization.crowded_crash import ONLY_NEEDED, crowded_crash
 
 
+@pytest.fixture(scope="module")
+def crashed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """A data folder with a run that fails, and the id of the run."""
+    folder = tmp_path_factory.mktemp("crashed")
+    (folder / "crash.json").write_text(json.dumps(crowded_crash()))
+    out, err = folder / "out", folder / "err"
+    command = ("run", "crash.json", "--json", "--data-dir", folder / "data")
+    begun = begin(*command, folder=folder, environment=os.environ, out=out, err=err)
+    assert begun.wait(120.0) == 0, err.read_text()
+    return folder / "data", json.loads(out.read_text())["id"]
+
+
 @pytest.fixture
-def run_id(drivora: Drivora, tmp_path: Path) -> str:
+def run_id(crashed: tuple[Path, str], tmp_path: Path) -> str:
     """A run that fails, in the data folder of the test."""
-    file = tmp_path / "crash.json"
-    file.write_text(json.dumps(crowded_crash()))
-    ended = drivora("run", file, "--json")
-    assert ended.code == 0, ended.err
-    found: str = ended.json()["id"]
+    data, found = crashed
+    shutil.copytree(data, tmp_path / "data")
     return found
 
 
@@ -34,7 +44,7 @@ def actors(document: dict[str, Any]) -> set[str]:
     return {actor["id"] for key in lists for actor in document.get(key, ())}
 
 
-@pytest.mark.slow(seconds=40)
+@pytest.mark.slow(seconds=15)
 def test_the_smallest_scenario_is_printed_written_and_drawn(
     drivora: Drivora, run_id: str, tmp_path: Path
 ) -> None:
@@ -115,7 +125,7 @@ def simulations(data: Path, minimization: str) -> int:
         return int(connection.execute(query, [minimization]).fetchone()[0])
 
 
-@pytest.mark.slow(seconds=40)
+@pytest.mark.slow(seconds=15)
 def test_the_same_command_goes_on_where_one_was_ended(
     drivora: Drivora, run_id: str, tmp_path: Path
 ) -> None:
