@@ -16,17 +16,26 @@ from pathlib import Path
 import pytest
 
 from drivora_service.api.documentation.recorded_examples import SCENARIO
-from drivora_service.cli.application.service_process import run_service
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.database import open_database
 from tests.cli.conftest import Drivora
+from tests.command_process import Begun, begin
+from tests.forked_service import forked_service
 
 LONG = 40
 """Scenarios of a command that is to be killed in between."""
 
 
+def begin_run(tmp_path: Path, folder: Path) -> Begun:
+    """Begins ``drivora run`` on one worker and does not wait for it."""
+    log = tmp_path / "run.log"
+    environment = {**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data")}
+    arguments = ("run", folder, "--workers", "1")
+    return begin(*arguments, folder=tmp_path, environment=environment, out=log, err=log)
+
+
 def start_run(tmp_path: Path, folder: Path, **environment: str) -> subprocess.Popen[bytes]:
-    """Starts ``drivora run`` on one worker and does not wait for it."""
+    """Does the same as a shell would, with a fork server of its own."""
     command = [sys.executable, "-m", "drivora_service.cli", "run", str(folder), "--workers", "1"]
     with (tmp_path / "run.log").open("ab") as log:
         return subprocess.Popen(
@@ -38,7 +47,9 @@ def start_run(tmp_path: Path, folder: Path, **environment: str) -> subprocess.Po
         )
 
 
-def wait_for_status(tmp_path: Path, process: subprocess.Popen[bytes], status: RunStatus) -> None:
+def wait_for_status(
+    tmp_path: Path, process: subprocess.Popen[bytes] | Begun, status: RunStatus
+) -> None:
     """Waits until a run of the data folder has a status."""
     path = tmp_path / "data" / "drivora.sqlite3"
     deadline = time.monotonic() + 120.0
@@ -136,7 +147,7 @@ def test_a_command_that_can_store_nothing_ends_with_the_reason(
 def test_a_command_works_beside_a_service_on_the_same_data_folder(
     drivora: Drivora, scenario_file: Path, tmp_path: Path
 ) -> None:
-    with run_service(tmp_path / "data", workers=1) as url:
+    with forked_service(tmp_path / "data", workers=1) as url:
         here = drivora("run", scenario_file, "--json")
         assert here.code == 0, here.err
         there = drivora("run", scenario_file, "--server", url, "--json").json()
@@ -155,7 +166,7 @@ def test_a_command_works_beside_a_service_on_the_same_data_folder(
 def test_runs_of_a_killed_command_are_cancelled_by_the_next(
     drivora: Drivora, many: Path, tmp_path: Path
 ) -> None:
-    process = start_run(tmp_path, many)
+    process = begin_run(tmp_path, many)
     wait_for_status(tmp_path, process, RunStatus.FINISHED)
     process.kill()
     process.wait()
@@ -169,9 +180,9 @@ def test_runs_of_a_killed_command_are_cancelled_by_the_next(
 def test_a_service_leaves_the_runs_of_a_living_command_alone(
     drivora: Drivora, many: Path, tmp_path: Path
 ) -> None:
-    process = start_run(tmp_path, many)
+    process = begin_run(tmp_path, many)
     wait_for_status(tmp_path, process, RunStatus.RUNNING)
-    with run_service(tmp_path / "data", workers=2):
+    with forked_service(tmp_path / "data", workers=2):
         assert process.wait(120.0) == 0, (tmp_path / "run.log").read_text()
         statuses = [run["status"] for run in drivora("runs", "list", "--json").json()]
     assert statuses == ["finished"] * LONG
@@ -184,7 +195,11 @@ def test_an_interrupted_run_cancels_what_has_not_ended(
 ) -> None:
     # The folder of the test has too long a name for the sockets in it.
     with tempfile.TemporaryDirectory() as scratch:
-        process = start_run(tmp_path, many, TMPDIR=scratch)
+        process = (
+            start_run(tmp_path, many, TMPDIR=scratch)
+            if request_to_end == signal.SIGTERM
+            else begin_run(tmp_path, many)
+        )
         wait_for_status(tmp_path, process, RunStatus.FINISHED)
         process.send_signal(request_to_end)
         assert process.wait(60.0) == 130
