@@ -106,11 +106,16 @@ _PRELOADED = (
     ),
     "drivora_service.cli.campaigns.campaign_running",
     "drivora_service.cli.runs.replay_running",
+    "drivora_service.cli.suites.suite_files",
+    "drivora_service.cli.suites.suite_reports",
+    "drivora_service.suites.paired.batch_pairing",
     "anyio._backends._asyncio",
     "pydantic.v1",
     "uvicorn",
     # By pyarrow, where it is installed.
     "pandas",
+    # Comparisons of batches and campaigns.
+    "scipy.stats",
 )
 """Imports of workers, of commands and of services."""
 
