@@ -10,9 +10,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from drivora_service.api.documentation.recorded_examples import SCENARIO
-from drivora_service.cli.application.service_process import run_service
 from tests.cli.conftest import Drivora
 from tests.cli.runs.test_replay_command import assert_as_pandas_finds_it, install_agents
+from tests.forked_service import forked_service
 
 SEARCHES = (("random", "sumo-krauss"), ("avfuzzer", "idm"))
 """Methods, and the agents whose failures they look for."""
@@ -70,7 +70,7 @@ def test_a_service_finds_the_first_draw_of_an_agent_without_a_seed(
 ) -> None:
     install_agents(tmp_path / "site", version="1.0")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "site"), prepend=":")
-    with run_service(tmp_path / "service", workers=1) as url:
+    with forked_service(tmp_path / "service", workers=1) as url:
         run = drivora("run", scenario_file, "--agent", "dicing", "--server", url, "--json").json()
         out = tmp_path / "out"
         ended = drivora("replay", run["id"], "--server", url, "--out", out, "--json")

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from drivora_service.store.campaigns.campaign_records import EvaluationRecord
 from drivora_service.store.database import Database, open_database
 from tests.campaigns.analytic import sequence
 from tests.cli.conftest import Drivora
+from tests.command_process import begin
 from tests.forked_service import forked_service
 
 STUDY = """
@@ -46,11 +46,10 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "crossing.json").write_text(json.dumps(SCENARIO))
     (folder / "study.yaml").write_text(STUDY)
     data = folder / "data"
-    command = (sys.executable, "-m", "drivora_service.cli", "study", "run", "study.yaml")
-    ended = subprocess.run(
-        (*command, "--data-dir", data), cwd=folder, capture_output=True, text=True, timeout=600.0
-    )
-    assert ended.returncode == 0, ended.stderr
+    log = folder / "study.log"
+    command = ("study", "run", "study.yaml", "--data-dir", data)
+    begun = begin(*command, folder=folder, environment=os.environ, out=log, err=log)
+    assert begun.wait(600.0) == 0, log.read_text()
     return data
 
 

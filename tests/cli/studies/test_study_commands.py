@@ -6,8 +6,6 @@ import json
 import os
 import random
 import shutil
-import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -53,21 +51,11 @@ def begin_study(tmp_path: Path, *arguments: str | Path) -> Begun:
     return begin("study", *arguments, folder=tmp_path, environment=environment, out=log, err=log)
 
 
-def start(tmp_path: Path, *arguments: str | Path) -> subprocess.Popen[bytes]:
-    """Does the same as a shell would, with a fork server of its own that ends with it."""
-    command = [sys.executable, "-m", "drivora_service.cli", "study", *map(str, arguments)]
-    with (tmp_path / "study.log").open("ab") as log:
-        return subprocess.Popen(
-            command,
-            stdout=log,
-            stderr=log,
-            cwd=tmp_path,
-            env={**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data")},
-        )
-
-
-def wait_until_told(data: Path, process: subprocess.Popen[bytes] | Begun, more_than: int) -> str:
+def wait_until_told(data: Path, process: Begun, more_than: int) -> str:
     """Waits until the study has more than so many simulations; returns its id."""
+    while not (data / "drivora.sqlite3").exists():
+        assert process.poll() is None, (data.parent / "study.log").read_text()
+        time.sleep(0.02)
     opened = open_database(f"sqlite:///{data / 'drivora.sqlite3'}")
     try:
         deadline = time.monotonic() + 200.0
@@ -118,7 +106,7 @@ def test_a_killed_study_goes_on_elsewhere_as_if_nothing_had_happened(
 ) -> None:
     luck = random.Random(3)
     data = tmp_path / "data"
-    process: subprocess.Popen[bytes] | Begun = start(tmp_path, "run", study_file)
+    process = begin_study(tmp_path, "run", study_file)
     study_id = wait_until_told(data, process, 5)
     for more in (20, 45):
         time.sleep(luck.uniform(0.0, 0.2))
