@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import sys
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from multiprocessing import forkserver
@@ -103,6 +104,8 @@ def _run_command(
     os.chdir(folder)
     os.environ.clear()
     os.environ.update(environment)
+    # The folder of the fork server, if that has asked for it.
+    tempfile.tempdir = None
     # As a process that is started has it; what it starts gets it from here.
     added = environment.get("PYTHONPATH", "").split(os.pathsep)
     sys.path[:0] = [path for path in added if path and path not in sys.path]

@@ -26,12 +26,12 @@ LONG = 40
 """Scenarios of a command that is to be killed in between."""
 
 
-def begin_run(tmp_path: Path, folder: Path) -> Begun:
+def begin_run(tmp_path: Path, folder: Path, **environment: str) -> Begun:
     """Begins ``drivora run`` on one worker and does not wait for it."""
     log = tmp_path / "run.log"
-    environment = {**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data")}
+    variables = {**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data"), **environment}
     arguments = ("run", folder, "--workers", "1")
-    return begin(*arguments, folder=tmp_path, environment=environment, out=log, err=log)
+    return begin(*arguments, folder=tmp_path, environment=variables, out=log, err=log)
 
 
 def start_run(tmp_path: Path, folder: Path, **environment: str) -> subprocess.Popen[bytes]:
@@ -195,12 +195,13 @@ def test_an_interrupted_run_cancels_what_has_not_ended(
 ) -> None:
     # The folder of the test has too long a name for the sockets in it.
     with tempfile.TemporaryDirectory() as scratch:
-        process = (
-            start_run(tmp_path, many, TMPDIR=scratch)
-            if request_to_end == signal.SIGTERM
-            else begin_run(tmp_path, many)
-        )
+        process: subprocess.Popen[bytes] | Begun
+        if request_to_end == signal.SIGTERM:
+            process = start_run(tmp_path, many, TMPDIR=scratch)
+        else:
+            process = begin_run(tmp_path, many, TMPDIR=scratch)
         wait_for_status(tmp_path, process, RunStatus.FINISHED)
+        assert list(Path(scratch).glob("drivora-*"))
         process.send_signal(request_to_end)
         assert process.wait(60.0) == 130
         assert list(Path(scratch).glob("drivora-*")) == []
