@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 from tests.fuzzing.harnesses import MODULES
-from tests.fuzzing.running import run_session
+from tests.fuzzing.running import run_sessions
 
 
 def main() -> int:
@@ -35,14 +35,14 @@ def main() -> int:
     print("|---|---:|---:|---:|---:|---:|---:|---|")
     has_findings = False
     for name in options.parser or MODULES:
-        outcome = run_session(
-            name,
+        outcome = run_sessions(
+            [name],
             inputs=options.inputs,
             seconds=options.seconds,
             seed=options.seed,
             max_length=options.max_length,
-            folder=options.folder / name,
-        )
+            folder=options.folder,
+        )[name]
         has_findings = has_findings or bool(outcome.causes)
         told = "; ".join(f"{cause} ({count})" for cause, count in outcome.causes.items()) or "none"
         rate = outcome.inputs / max(outcome.seconds, 1e-9)

@@ -61,9 +61,12 @@ class Session:
     def write_now_and_then(self, path: Path) -> None:
         """Writes the counts as JSON, at once and then at most four times a second."""
         now = time.monotonic()
-        if now - self.written < 0.25:
-            return
-        self.written = now
+        if now - self.written >= 0.25:
+            self.written = now
+            self.write(path)
+
+    def write(self, path: Path) -> None:
+        """Writes the counts as JSON."""
         content = {
             "inputs": self.inputs,
             "read": self.read,

@@ -1,6 +1,6 @@
 """Requests made from the OpenAPI document, against a real service with real workers.
 
-``DRIVORA_FUZZ_SECONDS`` sets how long each of the two runs of schemathesis takes (by default 15),
+``DRIVORA_FUZZ_SECONDS`` sets how long each of the two runs of schemathesis takes (by default 8),
 and ``DRIVORA_FUZZ_SEED`` another seed.
 """
 
@@ -20,10 +20,10 @@ from drivora_service.api.documentation.recorded_examples import CAMPAIGN, SCENAR
 from drivora_service.api.guards.api_tokens import Scope, TokenFile
 from tests.forked_service import forked_service
 
-pytestmark = pytest.mark.slow(seconds=30)
+pytestmark = pytest.mark.slow(seconds=20)
 
 PREFIX = "/api/v1"
-SECONDS = os.environ.get("DRIVORA_FUZZ_SECONDS", "15")
+SECONDS = os.environ.get("DRIVORA_FUZZ_SECONDS", "8")
 SEED = os.environ.get("DRIVORA_FUZZ_SEED", "1")
 
 REFUSES = (
