@@ -73,13 +73,12 @@ def test_what_was_played_is_replayed_without_the_adversary(seed: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(path.name for path in EXAMPLES.glob("*.json")))
-@pytest.mark.parametrize("seed", [1, 2])
-def test_what_was_played_on_an_example_is_replayed(name: str, seed: int) -> None:
+def test_what_was_played_on_an_example_is_replayed(name: str) -> None:
     data = (EXAMPLES / name).read_bytes()
     scenario = validate_data(data, NETWORKS, AGENTS.names()).scenario
-    if scenario.max_sim_time is None or scenario.max_sim_time > 60.0:
-        scenario = replace(scenario, max_sim_time=60.0)
-    played = play(episode_of(scenario), replace(RANDOM, seed=seed, interval=5.0))
+    if scenario.max_sim_time is None or scenario.max_sim_time > 40.0:
+        scenario = replace(scenario, max_sim_time=40.0)
+    played = play(episode_of(scenario), replace(RANDOM, seed=1, interval=5.0))
     check_replay(played)
 
 
