@@ -114,14 +114,17 @@ def test_no_added_actor_enters_the_area_in_the_real_simulation(
 ) -> None:
     space, path = reference_of(town, behavior)
     added, entered = 0, set()
-    for number in range(8):
+    for number in range(5):
         scenario = candidate(space, path, number, kept=True)
         trace = run(scenario)
         assert entries(trace, path) == set()
         added += len(trace.actors) - 1
-        # The check finds those that are not kept out.
+    # The check finds those that are not kept out.
+    for number in range(8):
         free = candidate(space, path, number, kept=False)
         entered |= {(number, name) for name in entries(run(free), path)}
+        if len(entered) > 2:
+            break
     assert added > 16, "candidates still have actors"
     assert len(entered) > 2
 
