@@ -13,9 +13,9 @@ import re
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 from unittest import mock
 
 import httpx
@@ -115,9 +115,15 @@ LONG: dict[str, Any] = {
 """Keeps a worker busy for several seconds, in which the queue is looked at."""
 
 
+class Serve(Protocol):
+    """Starts a service, yields its address, and ends it."""
+
+    def __call__(self, data_dir: Path, *, workers: int) -> AbstractContextManager[str]: ...
+
+
 def main() -> None:
     """Writes all files anew, and names those that changed."""
-    recorded = record_examples()
+    recorded = record_examples(run_service)
     for path in FOLDER.iterdir():
         if path.name not in recorded:
             path.unlink()
@@ -129,15 +135,19 @@ def main() -> None:
         print(f"{name}: {'as it was' if text == before else 'written anew'}", flush=True)
 
 
-def record_examples() -> dict[str, str]:
-    """Returns the texts of the files by their names."""
+def record_examples(serve: Serve) -> dict[str, str]:
+    """Returns the texts of the files by their names.
+
+    Args:
+        serve: Starts a service on a data folder, with one worker.
+    """
     with (
         tempfile.TemporaryDirectory() as folder,
         mock.patch.dict(os.environ, DRIVORA_CAMPAIGNS_AT_ONCE="1"),
     ):
         data = Path(folder) / "data"
         with (
-            run_service(data, workers=1) as url,
+            serve(data, workers=1) as url,
             httpx.Client(base_url=url, timeout=60.0) as client,
         ):
             recording = _Recording(client, data)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import httpx
 import pytest
+import yaml
 from typer.testing import CliRunner
 
 from drivora_service.cli.main import app
@@ -18,9 +19,17 @@ _CAMPAIGN = "openscenario_schemas/examples/campaigns/late-braking.yaml"
 
 @pytest.fixture(scope="module")
 def command_campaign(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """The data folder of a command that ran a campaign with failures."""
+    """The data folder of a command that ran a campaign with failures.
+
+    It finds its first failure after 16 simulations, and others if it goes on to its end.
+    """
+    shipped = repository / _CAMPAIGN
+    content = yaml.safe_load(shipped.read_text()) | {"budget": {"simulations": 24}}
+    content["scenario"]["file"] = str(shipped.with_name(content["scenario"]["file"]))
+    path = tmp_path_factory.mktemp("campaign") / shipped.name
+    path.write_text(yaml.safe_dump(content))
     folder = tmp_path_factory.mktemp("command") / "data"
-    arguments = ["campaign", "run", str(repository / _CAMPAIGN), "--data-dir", str(folder)]
+    arguments = ["campaign", "run", str(path), "--data-dir", str(folder)]
     result = CliRunner().invoke(app, [*arguments, "--workers", "2"])
     assert result.exit_code == 0, result.output
     yield folder

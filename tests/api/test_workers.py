@@ -13,10 +13,10 @@ from typing import Any
 
 import httpx
 
-from drivora_service.cli.application.service_process import run_service
 from drivora_service.store.runs.run_records import Priority
 from tests.api.conftest import Offline
 from tests.api.record_examples import LONG
+from tests.forked_service import forked_service
 from tests.store.samples import claim, finish, finished, register, submit
 
 WORKERS = "/api/v1/workers"
@@ -37,7 +37,7 @@ def _is_driving(slot: Mapping[str, Any]) -> bool:
 
 def test_a_slot_tells_what_it_does_and_how_its_worker_died(tmp_path: Path) -> None:
     with (
-        run_service(tmp_path / "data", workers=1) as url,
+        forked_service(tmp_path / "data", workers=1) as url,
         httpx.Client(base_url=url, timeout=30) as client,
     ):
         (slot,) = until(client, lambda found: found["slots"][0]["state"] == "idle")["slots"]

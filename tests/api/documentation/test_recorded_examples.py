@@ -20,6 +20,7 @@ from drivora_service.networks.catalogue import NetworkCatalogue, shipped_network
 from drivora_service.scenario.validation import validate_data
 from tests.api.conftest import Offline
 from tests.api.record_examples import FOLDER, record_examples
+from tests.forked_service import forked_service
 
 
 def answered() -> Iterator[tuple[str, Any, str]]:
@@ -102,9 +103,9 @@ def shape(value: Any) -> Any:
     return type(value).__name__
 
 
-@pytest.mark.slow(seconds=40)
+@pytest.mark.slow(seconds=30)
 def test_a_service_answers_today_as_it_did_when_it_was_recorded() -> None:
-    recorded = record_examples()
+    recorded = record_examples(forked_service)
     assert set(recorded) == {path.name for path in FOLDER.iterdir()}
     for name, text in recorded.items():
         before = (FOLDER / name).read_text()
