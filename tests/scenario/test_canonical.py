@@ -8,7 +8,7 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario import model
@@ -35,6 +35,7 @@ ICE = model.FrictionPatch(
 )
 
 
+@settings(max_examples=50)
 @given(content=documents())
 def test_there_and_back_is_identical(networks: NetworkCatalogue, content: dict[str, Any]) -> None:
     scenario = to_scenario(parse_document(content), networks.get("tee-town"))
@@ -45,6 +46,7 @@ def test_there_and_back_is_identical(networks: NetworkCatalogue, content: dict[s
     json.loads(text, parse_constant=pytest.fail)
 
 
+@settings(max_examples=40)
 @given(content=documents())
 def test_spelling_does_not_matter(networks: NetworkCatalogue, content: dict[str, Any]) -> None:
     network = networks.get("tee-town")

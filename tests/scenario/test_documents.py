@@ -130,6 +130,7 @@ def test_with_background(good: dict[str, Any]) -> None:
         with_background(document, -1)
 
 
+@settings(max_examples=40)
 @given(documents())
 def test_documents_survive_writing_and_reading(content: dict[str, Any]) -> None:
     document = parse_document(content)
@@ -138,7 +139,7 @@ def test_documents_survive_writing_and_reading(content: dict[str, Any]) -> None:
     assert document_text(parse_document(document_text(document))) == document_text(document)
 
 
-@settings(max_examples=200)
+@settings(max_examples=80)
 @given(garbled(documents()))
 def test_garbled_documents_are_refused_or_read(content: dict[str, Any]) -> None:
     try:
@@ -154,6 +155,7 @@ def test_any_text_is_refused_or_read(data: str | bytes, language: Any) -> None:
         parse_document(data, language)
 
 
+@settings(max_examples=50)
 @given(st.data())
 def test_cut_texts_are_refused(data: st.DataObject) -> None:
     text = document_text(parse_document(data.draw(documents())))

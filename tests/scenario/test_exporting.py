@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from drivora_service.networks.catalogue import NetworkCatalogue
@@ -17,6 +17,7 @@ from drivora_service.scenario.frames import FrameTransform
 from tests.scenario.strategies import documents
 
 
+@settings(max_examples=40)
 @given(content=documents())
 def test_the_document_of_a_scenario_gives_the_same_scenario(
     networks: NetworkCatalogue, content: dict[str, Any]

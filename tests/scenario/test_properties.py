@@ -62,7 +62,7 @@ def shuffled(content: Any, draw: st.DrawFn) -> Any:
     return [shuffled(item, draw) for item in content] if isinstance(content, list) else content
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(content=garbled(documents()) | garbled(drivable()))
 def test_validation_is_total(networks: NetworkCatalogue, content: dict[str, Any]) -> None:
     validated(content, networks)
@@ -75,6 +75,7 @@ def test_any_object_is_refused_with_its_places(
     assert validated(content, networks) is None
 
 
+@settings(max_examples=50)
 @given(data=st.data(), value=json_values)
 def test_any_value_in_any_place_is_read_or_refused(
     networks: NetworkCatalogue, data: st.DataObject, value: Any
@@ -91,6 +92,7 @@ def test_any_value_in_any_place_is_read_or_refused(
     validated(content, networks)
 
 
+@settings(max_examples=40)
 @given(content=drivable())
 def test_validation_is_idempotent(networks: NetworkCatalogue, content: dict[str, Any]) -> None:
     first = validated(content, networks)
@@ -102,6 +104,7 @@ def test_validation_is_idempotent(networks: NetworkCatalogue, content: dict[str,
     assert text == document_text(to_document(first.scenario))
 
 
+@settings(max_examples=40)
 @given(data=st.data())
 def test_the_identity_does_not_depend_on_the_text(
     networks: NetworkCatalogue, data: st.DataObject

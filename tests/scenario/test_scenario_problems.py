@@ -96,7 +96,7 @@ def candidates(draw: st.DrawFn) -> Scenario:
 
 # A failing example is small as it is drawn, and some take seconds: making it smaller would take
 # minutes.
-@settings(max_examples=150, phases=(Phase.explicit, Phase.reuse, Phase.generate))
+@settings(max_examples=60, phases=(Phase.explicit, Phase.reuse, Phase.generate))
 @given(
     scenario=candidates(),
     changes=st.lists(st.sampled_from(sorted(CHANGES)), max_size=3),
@@ -111,7 +111,7 @@ def test_broken_candidates_have_the_problems_of_their_documents(
     assert scenario_problems(scenario, NETWORKS, agents) == problems_of_document(scenario, agents)
 
 
-@settings(max_examples=300)
+@settings(max_examples=120)
 @given(scenario=candidates(), data=st.data(), value=st.sampled_from(ODD_NUMBERS) | st.floats())
 def test_numbers_have_the_bounds_of_documents(
     scenario: Scenario, data: st.DataObject, value: float
@@ -131,6 +131,7 @@ def test_valid_candidates_are_what_their_documents_validate_to(scenario: Scenari
         assert canonical_json(again) == canonical_json(scenario)
 
 
+@settings(max_examples=50)
 @given(content=documents())
 def test_scenarios_of_documents_have_the_problems_of_documents(
     networks: NetworkCatalogue, content: dict[str, Any]

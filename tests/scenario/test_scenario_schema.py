@@ -126,6 +126,7 @@ def test_examples_cover_every_entity() -> None:
     }
 
 
+@settings(max_examples=40)
 @given(content=documents())
 def test_what_documents_accept_the_schema_accepts(
     validator: jsonschema.Draft202012Validator, content: dict[str, Any]
@@ -134,7 +135,7 @@ def test_what_documents_accept_the_schema_accepts(
     validator.validate(content)
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(content=garbled(documents()))
 def test_what_the_schema_refuses_documents_refuse(
     validator: jsonschema.Draft202012Validator, content: dict[str, Any]

@@ -299,7 +299,7 @@ def test_the_same_on_postgresql(postgresql: PostgresqlServer) -> None:
         def __init__(self) -> None:
             super().__init__(postgresql.create())
 
-    run_state_machine_as_test(OnPostgresql, settings=TestStore.settings)
+    run_state_machine_as_test(OnPostgresql, settings=settings(TestStore.settings, max_examples=6))
 
 
 @pytest.mark.parametrize(

@@ -222,9 +222,9 @@ def test_others_write_while_thousands_of_runs_are_removed(
     database: Database, traces: TraceFolder
 ) -> None:
     for _ in range(3):
-        submit(database, 500, priority=Priority.CI)
+        submit(database, 300, priority=Priority.CI)
         owner = register(database)
-        finish(database, owner, *map(finished, claim(database, owner, 500)))
+        finish(database, owner, *map(finished, claim(database, owner, 300)))
     held: list[float] = []
     over = threading.Event()
 
@@ -240,7 +240,7 @@ def test_others_write_while_thousands_of_runs_are_removed(
     pruned = prune(database, traces, ended_before=NOW)
     over.set()
     writer.join()
-    assert pruned.runs == 1500
+    assert pruned.runs == 900
     # The writer has had its turn between the chunks, which were several.
     assert len(held) >= 10
     assert list(verify(database, traces)) == []
@@ -250,8 +250,8 @@ def test_others_write_while_thousands_of_runs_are_removed(
 def test_the_file_becomes_shorter(database: Database, traces: TraceFolder) -> None:
     path = Path(str(database.engine.url.database))
     with database.write() as transaction:
-        transaction.jobs.submit([new_run(f"{n}" + "x" * 5000) for n in range(800)])
-        job_ids = [job.id for job in transaction.jobs.page(limit=800).items]
+        transaction.jobs.submit([new_run(f"{n}" + "x" * 50_000) for n in range(80)])
+        job_ids = [job.id for job in transaction.jobs.page(limit=80).items]
         for job_id in job_ids:
             transaction.jobs.cancel(job_id)
     checkpoint(path)
