@@ -164,7 +164,8 @@ def test_campaigns_of_a_server_are_those_of_a_command(
         assert last["counts"]["violating"] == len({failure["evaluation"] for failure in found})
     progress = [campaign["simulations"] for campaign in seen["random"]]
     assert progress == sorted(progress)
-    assert len(set(progress)) > 5
+    # How often it is seen between its begin and its end depends on the machine.
+    assert len(set(progress)) > 2
 
 
 def test_a_campaign_is_paused_and_resumed(
