@@ -164,8 +164,6 @@ def test_campaigns_of_a_server_are_those_of_a_command(
         assert last["counts"]["violating"] == len({failure["evaluation"] for failure in found})
     progress = [campaign["simulations"] for campaign in seen["random"]]
     assert progress == sorted(progress)
-    # How often it is seen between its begin and its end depends on the machine.
-    assert len(set(progress)) > 2
 
 
 def test_a_campaign_is_paused_and_resumed(
@@ -193,7 +191,16 @@ def test_a_campaign_is_paused_and_resumed(
 def test_cancelling_leaves_what_was_found_and_no_run(served: Served) -> None:
     with client_of(served.url) as client:
         campaign_id = post(client, document("random", simulations=500))
-        follow_simulations(client, campaign_id, 5)
+        # Its progress is seen in steps while it runs, at least six of them.
+        progress = [0]
+        deadline = time.monotonic() + _LONG_S
+        while len(set(progress)) <= 5:
+            campaign = state(client, campaign_id)
+            assert campaign["state"] in ("queued", "running"), campaign["message"]
+            assert time.monotonic() < deadline, progress
+            progress.append(campaign["simulations"])
+            time.sleep(0.05)
+        assert progress == sorted(progress)
         assert client.post(f"/campaigns/{campaign_id}:cancel").status_code == 202
         cancelled = follow(client, campaign_id, until="cancelled")[-1]
         deadline = time.monotonic() + _LONG_S

@@ -22,6 +22,7 @@ from drivora_service.simulation.sumo import is_started
 from drivora_service.worker import worker_warm_up
 from drivora_service.worker.setup import WorkerSetup
 from drivora_service.worker.worker_warm_up import warm_up
+from tests.oracles.laws.laws import source_of
 
 
 @pytest.mark.slow
@@ -43,18 +44,7 @@ def test_the_kernels_of_agents_and_oracles_are_compiled() -> None:
     assert is_started()
 
 
-LAW = b"""\
-laws:
-  - name: never_fast
-    title: Never fast
-    source: nobody
-    description: The ego is fast.
-    severity: minor
-    formula: always (speed < 2)
-"""
-
-
-OWN_LAWS = (LawSource(file="own.yaml", data=LAW),)
+OWN_LAWS = (source_of("speed < 2"),)
 
 
 def runs_of_warm_up(laws: tuple[LawSource, ...]) -> int:
