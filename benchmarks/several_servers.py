@@ -142,11 +142,11 @@ class Process(Protocol):
 
 
 Begin = Callable[[Sequence[str], Mapping[str, str], Path], Process]
-"""Begins ``drivora`` with arguments and an environment, and appends what it prints to a file."""
+"""Starts ``drivora`` with arguments and an environment, and appends what it prints to a file."""
 
 
 def begin_command(arguments: Sequence[str], environment: Mapping[str, str], log: Path) -> Process:
-    """Begins ``drivora`` as a shell does."""
+    """Starts ``drivora`` as a shell does."""
     with log.open("ab") as output:
         return subprocess.Popen(
             [sys.executable, "-m", "drivora_service.cli", *arguments],

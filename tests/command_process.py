@@ -54,7 +54,7 @@ def begin(
     err: Path,
     umask: int | None = None,
 ) -> Begun:
-    """Begins ``drivora`` with these arguments, and does not wait for it.
+    """Starts ``drivora`` with these arguments, and does not wait for it.
 
     Args:
         arguments: What follows ``drivora``.

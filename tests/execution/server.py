@@ -21,7 +21,13 @@ from tests.execution.owners import server
 
 
 def forked(data_dir: Path, fork_server: str, told: Connection) -> None:
-    """Serves ``data_dir`` with workers from the fork server at an address; tells once it does."""
+    """Serves ``data_dir`` with workers from the fork server at an address.
+
+    Args:
+        data_dir: The data folder.
+        fork_server: The address.
+        told: Gets a message once it serves.
+    """
     use_fork_server(fork_server)
     main(data_dir, lambda: told.send("serving"))
 

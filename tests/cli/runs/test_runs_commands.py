@@ -27,7 +27,7 @@ LONG = 40
 
 
 def begin_run(tmp_path: Path, folder: Path, **environment: str) -> Begun:
-    """Begins ``drivora run`` on one worker and does not wait for it."""
+    """Starts ``drivora run`` on one worker and does not wait for it."""
     log = tmp_path / "run.log"
     variables = {**os.environ, "DRIVORA_DATA_DIR": str(tmp_path / "data"), **environment}
     arguments = ("run", folder, "--workers", "1")
