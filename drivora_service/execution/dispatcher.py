@@ -14,6 +14,7 @@ from drivora_service.errors import StoreError, StoreUnavailable
 from drivora_service.execution.executor import Executor
 from drivora_service.execution.infrastructure import Infrastructure
 from drivora_service.execution.interval import Interval
+from drivora_service.execution.loss_pause import LossPause
 from drivora_service.execution.ownership import Ownership
 from drivora_service.execution.pace import Pace
 from drivora_service.execution.storage_failures import (
@@ -89,6 +90,7 @@ class Dispatcher:
         self._withdrawn: set[str] = set()
         self._faults = FaultLog(_log)
         self._pace = Pace()
+        self._losses = LossPause()
         self._next_write = 0.0
         self._beats, self._looks = Interval(_HEARTBEAT_S), Interval(_POLL_S)
         self._to_cancel: set[str] = set()
@@ -210,9 +212,18 @@ class Dispatcher:
         # end counts: a run that fills the disk itself must not be repeated for ever.
         suspects = [end for end in ends if may_be_storage(end.report)]
         if not suspects or not self._infrastructure.confirm_now():
+            self._note_losses(ends)
             return
         self._withdrawn.update(end.report.run_id for end in suspects)
         self._unwritten = [end for end in self._unwritten if end not in suspects]
+
+    def _note_losses(self, ends: Sequence[AttemptEnd]) -> None:
+        for end in ends:
+            pause = self._losses.note(end.report)
+            if pause:
+                failure = end.report.failure
+                cause = "" if failure is None else failure.cause
+                _log.warning("attempts_lost_in_a_row", last_cause=cause, pause_s=pause)
 
     def _claim_next(self, run_id: str) -> bool:
         """Returns whether a run's next attempt waited for the end of this one; it is begun then."""
@@ -225,6 +236,8 @@ class Dispatcher:
     def _room(self, *, ended: int = 0) -> int:
         """Returns how many runs may be claimed now if ``ended`` of those in flight have ended."""
         if self._stopping.is_set() or self._executor.fault or self._infrastructure.fault:
+            return 0
+        if self._losses.is_on:
             return 0
         return self._pace.target_in_flight(self._executor.capacity) - len(self._in_flight) + ended
 
@@ -307,7 +320,7 @@ class Dispatcher:
             self._faults.error("workers_cannot_start", reason=fault)
         else:
             self._faults.over("workers_cannot_start", "workers_start_again")
-        if fault or self._infrastructure.fault or self._stopping.is_set():
+        if fault or self._infrastructure.fault or self._losses.is_on or self._stopping.is_set():
             # In each turn: a slot may have put back a run whose worker was not ready.
             self._withdrawn.update(self._executor.withdraw())
             self._withdrawn.update(spec.run_id for spec in self._claimed)

@@ -349,6 +349,24 @@ def test_a_run_whose_trace_cannot_be_written_to_a_storage_that_is_well_fails_aft
     assert outcomes(database, [one]) == {"infrastructure_failed": 3}
 
 
+def test_a_fault_of_a_second_that_no_probe_finds_takes_no_run(
+    database: Database, tmp_path: Path
+) -> None:
+    runs = submit(database, *["writes-trace 0"] * 3)
+    (tmp_path / "traces").mkdir()
+    in_the_way = [TraceFolder(tmp_path / "traces").path(run).parent for run in runs]
+    for place in in_the_way:
+        place.write_text("in the way")
+    with serving(database, tmp_path):
+        wait_for(lambda: outcomes(database, runs)["infrastructure_failed"] >= 2)
+        # Three attempts of each at once would be over by then.
+        time.sleep(1.0)
+        for place in in_the_way:
+            place.unlink()
+        wait_until_over(database)
+    assert statuses(database) == {RunStatus.FINISHED: 3}
+
+
 def test_a_locked_database_loses_no_end(tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path / 'drivora.sqlite3'}"
     database = open_database(url, patience_s=0.2)
