@@ -64,7 +64,8 @@ def configure_logs(
         ],
         wrapper_class=structlog.stdlib.BoundLogger,
         logger_factory=structlog.stdlib.LoggerFactory(),
-        cache_logger_on_first_use=True,
+        # Few lines are written, and a cached logger would keep an earlier configuration.
+        cache_logger_on_first_use=False,
     )
 
 

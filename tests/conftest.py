@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 from collections import Counter
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import hypothesis
 import pytest
+import structlog
 
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.execution.fork_server import ENVIRONMENT
@@ -135,6 +137,18 @@ def _fork_server() -> None:
 def _own_snapshot() -> None:
     """Has what a test replaces in the package count as what is there."""
     snapshot_judging_code.cache_clear()
+
+
+@pytest.fixture(autouse=True)
+def _own_logs() -> Iterator[None]:
+    """Has a command that runs in this process configure the logs of its own test only."""
+    root = logging.getLogger()
+    handlers, level = root.handlers, root.level
+    yield
+    if structlog.is_configured():
+        root.handlers = handlers
+        root.setLevel(level)
+        structlog.reset_defaults()
 
 
 @pytest.fixture(scope="session")

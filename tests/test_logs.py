@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -11,16 +10,6 @@ from sqlalchemy import create_engine
 
 from drivora_service.logs import configure_logs
 from drivora_service.store.migration import upgrade
-
-
-@pytest.fixture(autouse=True)
-def _restored() -> Iterator[None]:
-    root = logging.getLogger()
-    handlers, level = root.handlers, root.level
-    yield
-    root.handlers = handlers
-    root.setLevel(level)
-    structlog.reset_defaults()
 
 
 def test_own_and_foreign_lines_are_json_alike(capsys: pytest.CaptureFixture[str]) -> None:

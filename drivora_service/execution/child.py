@@ -102,7 +102,8 @@ class Child:
             KeeperLostError: Its keeper has ended.
             ProtocolError: It has sent something else.
         """
-        frame = self._current().receive(timeout)
+        worker = self._current()
+        frame = worker.receive(timeout)
         if frame is None:
             return False
         if frame.kind is not Kind.READY:
@@ -110,6 +111,8 @@ class Child:
             if isinstance(message, NotReady):
                 raise NotReadyError(message.reason)
             raise ProtocolError(f"the message {frame.kind.name} was not expected")
+        # Nobody reads what the keeper sends while the worker is idle.
+        worker.wait_until_known()
         self.ready = True
         return True
 

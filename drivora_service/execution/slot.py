@@ -117,11 +117,13 @@ class Slot:
         """Returns what the slot does; never raises."""
         child = self._child
         progress, process = child.progress(), child.reading()
+        # Of a worker that starts or ends meanwhile, one of the two may be known already.
+        pid, ready = child.pid, child.ready
         return SlotState(
             name=self.name,
-            pid=child.pid,
+            pid=pid,
             run_id=self._run_id,
-            phase=progress.phase.name.lower() if child.ready else "starting",
+            phase=progress.phase.name.lower() if ready and pid is not None else "starting",
             step=progress.step,
             memory_bytes=0 if process is None else process.memory_bytes,
             runs=self._runs,

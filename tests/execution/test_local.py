@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ from drivora_service.execution.executor import Limits
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.runs.run_report import RunStatus
 from tests.execution.attempts import LIMITS, TASKS, assert_usable, run
+from tests.execution.worker_tasks import keep_late
 
 Start = Callable[..., LocalExecutor]
 
@@ -40,6 +42,22 @@ def test_workers_are_recycled(start: Start) -> None:
     executor = start(limits=replace(LIMITS, runs_per_worker=3))
     pids = [run(executor, "sleep 0").report.versions["pid"] for _ in range(6)]
     assert [len(set(pids[:3])), len(set(pids[3:])), len(set(pids))] == [1, 1, 2]
+
+
+def test_a_slot_that_waits_for_work_knows_its_worker(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("drivora_service.execution.kept_worker.keep", keep_late)
+    executor = start()
+    seen = []
+    limit = time.monotonic() + 60
+    while not seen or seen[-1].phase == "starting":
+        assert time.monotonic() < limit
+        seen.extend(executor.slots())
+        time.sleep(0.01)
+    assert (seen[-1].phase, seen[-1].restarts) == ("idle", 0)
+    assert seen[-1].pid is not None
+    assert seen[-1].memory_bytes > 1 << 20
 
 
 def test_a_log_does_not_grow_for_ever(start: Start, tmp_path: Path) -> None:

@@ -14,10 +14,13 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from drivora_service.errors import SimulatorError
 from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.simulation.run_phase import BoardCell, RunPhase
+from drivora_service.worker import keeper
+from drivora_service.worker.channel import Frame, send
 from drivora_service.worker.progress_board import ProgressBoard
 
 
@@ -267,3 +270,15 @@ def die_once(needed: Path) -> None:
     if not needed.exists():
         needed.touch()
         die(needed)
+
+
+def keep_late(*handed: Any) -> None:
+    """A keeper that says only after a while which process its worker is."""
+
+    def send_late(connection: socket.socket, frame: Frame) -> None:
+        time.sleep(0.5)
+        send(connection, frame)
+
+    # Only in this process, which ends with its worker.
+    keeper.send = send_late  # type: ignore[attr-defined]
+    keeper.keep(*handed)
