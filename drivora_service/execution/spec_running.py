@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import islice
 
 from drivora_service.errors import WorkersCannotStart
 from drivora_service.execution.executor import Executor
+from drivora_service.execution.loss_pause import LossPause
 from drivora_service.runs import lifecycle
 from drivora_service.runs.attempt import AttemptEnd
 from drivora_service.runs.lifecycle import RetryPolicy, RunState
 from drivora_service.runs.run_report import RunReport, RunSpec
 
+_LOOK_S = 0.2
+"""Seconds between two looks whether a pause is over."""
+
 
 class Runs:
     """Runs in flight on an executor, each until its final report.
 
-    Crashes are confirmed and lost attempts repeated, as in the service.
+    Crashes are confirmed and lost attempts repeated, as in the service, with a pause between
+    attempts that are lost in a row.
     """
 
     def __init__(
@@ -33,6 +39,9 @@ class Runs:
         """
         self._executor, self._policy = executor, policy
         self._running: dict[str, tuple[RunSpec, RunState]] = {}
+        self._losses = LossPause()
+        # Attempts that the executor does not have yet: they wait for the end of a pause.
+        self._held: deque[RunSpec] = deque()
 
     def __len__(self) -> int:
         """Returns the number of runs in flight."""
@@ -55,12 +64,16 @@ class Runs:
             WorkersCannotStart: No worker can be started; the runs in flight have not failed.
         """
         over: list[AttemptEnd] = []
+        self._begin_held()
+        if self._held:
+            timeout = _LOOK_S if timeout is None else min(timeout, _LOOK_S)
         # Attempts that ended before the fault are returned first.
         ends = self._executor.wait(0.0 if self._executor.fault else timeout, count=count)
         if not ends and self._running and self._executor.fault:
             raise WorkersCannotStart(f"no worker can be started: {self._executor.fault}")
         for end in ends:
             spec, state = self._running.pop(end.report.run_id)
+            self._losses.note(end.report)
             transition = lifecycle.end(state, end.report, self._policy)
             if transition.report is not None:
                 over.append(replace(end, report=transition.report))
@@ -70,7 +83,12 @@ class Runs:
 
     def _attempt(self, spec: RunSpec, state: RunState) -> None:
         self._running[spec.run_id] = (spec, lifecycle.start(state))
-        self._executor.submit(spec)
+        self._held.append(spec)
+        self._begin_held()
+
+    def _begin_held(self) -> None:
+        while self._held and not self._losses.is_on:
+            self._executor.submit(self._held.popleft())
 
 
 def run_all(
