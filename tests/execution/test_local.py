@@ -13,6 +13,7 @@ import pytest
 from drivora_service.execution.executor import Limits
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.runs.run_report import RunStatus
+from drivora_service.runs.slot_state import SlotState
 from tests.execution.attempts import LIMITS, TASKS, assert_usable, run
 from tests.execution.worker_tasks import keep_late
 
@@ -49,7 +50,7 @@ def test_a_slot_that_waits_for_work_knows_its_worker(
 ) -> None:
     monkeypatch.setattr("drivora_service.execution.kept_worker.keep", keep_late)
     executor = start()
-    seen = []
+    seen: list[SlotState] = []
     limit = time.monotonic() + 60
     while not seen or seen[-1].phase == "starting":
         assert time.monotonic() < limit

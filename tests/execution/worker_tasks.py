@@ -275,9 +275,9 @@ def die_once(needed: Path) -> None:
 def keep_late(*handed: Any) -> None:
     """A keeper that says only after a while which process its worker is."""
 
-    def send_late(connection: socket.socket, frame: Frame) -> None:
+    def send_late(end: socket.socket, *frames: Frame) -> None:
         time.sleep(0.5)
-        send(connection, frame)
+        send(end, *frames)
 
     # Only in this process, which ends with its worker.
     keeper.send = send_late  # type: ignore[attr-defined]
