@@ -4,11 +4,12 @@
         python -m benchmarks.several_servers --runs 10000 --out FILE
 
 Servers with one data folder serve an empty database of PostgreSQL. Batches of short
-runs and a campaign are posted to any of them. Again and again one of them is killed with SIGKILL,
-and started anew a while later; one is always left. With ``--hang-every``, one is also stopped now
-and then for longer than the others wait for it, while its workers go on, and continued. What is
-counted at the end is read from the tables themselves: how many runs ended, how many have a report
-and how many ended attempts that count, and whether all runs of one scenario have the same trace.
+runs and a campaign are posted to any of them. Again and again one of those that perform runs is
+killed with SIGKILL, and started anew a while later; one is always left. With ``--hang-every``, one
+is also stopped now and then for longer than the others wait for it, while its workers go on, and
+continued. What is counted at the end is read from the tables themselves: how many runs ended, how
+many have a report and how many ended attempts that count, and whether all runs of one scenario have
+the same trace.
 Each trace is read, and its hash compared with that of its run.
 """
 
@@ -227,6 +228,13 @@ class Server:
             return answer.is_success
         return False
 
+    def is_busy(self) -> bool:
+        """Returns whether one of its workers performs a run."""
+        with contextlib.suppress(httpx.HTTPError):
+            found = httpx.get(f"{self.address}/workers", timeout=10.0).raise_for_status().json()
+            return any(slot["is_own"] and slot["state"] == "running" for slot in found["slots"])
+        return False
+
     def end(self, signal_number: int) -> None:
         """Sends a signal and waits for the end."""
         self.go_on()
@@ -273,7 +281,8 @@ class Fleet:
         ready = [server for server in self.servers if server.works and server.is_ready()]
         if len(ready) < 2:
             return
-        chosen = self._random.choice(ready)
+        # The end of one that performs nothing, as of one that has just started, shows little.
+        chosen = self._random.choice([one for one in ready if one.is_busy()] or ready)
         if now >= self._kill_at:
             chosen.end(signal.SIGKILL)
             self.kills += 1
