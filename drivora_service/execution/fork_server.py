@@ -80,33 +80,53 @@ def start_process(target: Callable[..., None], args: tuple[Any, ...]) -> BasePro
         OSError: The system gives no process.
         EOFError: The fork server ended during the call; the next call starts another.
     """
-    process: BaseProcess = multiprocessing.get_context("forkserver").Process(
-        target=_run, args=(dict(os.environ), target, args), daemon=True
-    )
-    try:
+    for _ in range(2):
+        process: BaseProcess = multiprocessing.get_context("forkserver").Process(
+            target=_run, args=(dict(os.environ), target, args), daemon=True
+        )
         with _looking:
             _end_stopped_server()
-            process.start()
-    except (FileNotFoundError, ConnectionRefusedError) as error:
-        # Its socket is a temporary file, which some systems remove after days.
-        _log.warning("fork_server_not_reached", error=repr(error))
-        return spawn_process(target, args)
-    return process
+            try:
+                process.start()
+                return process
+            except ConnectionRefusedError as error:
+                # It was killed a moment ago: its socket is closed before its end can be known.
+                _log.warning("fork_server_lost", error=repr(error))
+                _end_server()
+            except FileNotFoundError as error:
+                # Its socket is a temporary file, which some systems remove after days.
+                _log.warning("fork_server_not_reached", error=repr(error))
+                break
+    return spawn_process(target, args)
 
 
 def _end_stopped_server() -> None:
     """Ends a fork server that a signal has stopped; a start would wait for it for ever."""
-    pid = getattr(getattr(forkserver, "_forkserver", None), "_forkserver_pid", None)
-    server = None if pid is None else ProcessHandle(pid)
+    server = _server()
     if server is None:
         return
-    if server.is_stopped:
-        _log.warning("fork_server_stopped", pid=pid)
-        server.kill()
-        until = time.monotonic() + _EXIT_S
-        while server.lives and time.monotonic() < until:
-            time.sleep(0.01)
+    is_stopped = server.is_stopped
     server.close()
+    if is_stopped:
+        _log.warning("fork_server_stopped", pid=server.pid)
+        _end_server()
+
+
+def _end_server() -> None:
+    """Ends the fork server, if there is one, and waits until it is gone; a start begins another."""
+    server = _server()
+    if server is None:
+        return
+    server.kill()
+    until = time.monotonic() + _EXIT_S
+    while server.lives and time.monotonic() < until:
+        time.sleep(0.01)
+    server.close()
+
+
+def _server() -> ProcessHandle | None:
+    pid = getattr(getattr(forkserver, "_forkserver", None), "_forkserver_pid", None)
+    return None if pid is None else ProcessHandle(pid)
 
 
 def spawn_process(target: Callable[..., None], args: tuple[Any, ...]) -> BaseProcess:

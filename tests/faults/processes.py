@@ -53,6 +53,7 @@ def keepers(folder: Path) -> tuple[psutil.Process, ...]:
 def _in_slots(folder: Path) -> dict[int, tuple[psutil.Process, int]]:
     """Returns the leaders of sessions of the fork server's code that log into a folder.
 
+    Or of processes that were started without it, as where it was killed at that moment.
     By the id of each, with that of its parent. What an agent starts runs another program, or
     belongs to the session of a worker. Of a fork server that was killed they are no descendants.
     """
@@ -62,7 +63,7 @@ def _in_slots(folder: Path) -> dict[int, tuple[psutil.Process, int]]:
             log = Path(f"/proc/{process.pid}/fd/1").readlink()
             if log.parent != folder or os.getsid(process.pid) != process.pid:
                 continue
-            if _says(process, "forkserver"):
+            if _says(process, "forkserver") or _says(process, "spawn_main"):
                 found[process.pid] = (process, process.ppid())
     return found
 
