@@ -90,6 +90,8 @@ class Child:
         Args:
             worker: The process that is meant, if it may have been replaced already.
         """
+        # Without a lock: if the process is replaced at this moment, its successor is replaced once
+        # too often, and the one that is meant never goes on.
         if worker is None or worker is self._worker:
             self._retired = True
 

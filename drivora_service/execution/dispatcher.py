@@ -104,6 +104,7 @@ class Dispatcher:
             at_end=self._release_all,
             explained=lambda: bool(self._infrastructure.confirm_now()),
             on_fatal=on_fatal,
+            # Less than `ownership.LOCK_TIMEOUT_S`: who tries again must not be taken for dead.
             backoff=Backoff(longest_s=5.0),
         )
 
@@ -201,7 +202,8 @@ class Dispatcher:
         for end in ends:
             self._pace.note((end.ended - end.started).total_seconds())
         # With the number of its attempt, an end cannot close a later attempt at the same run, which
-        # there is if this process was taken for dead meanwhile.
+        # there is if this process was taken for dead meanwhile. This process has no open lease of
+        # a run that is not in flight: the store leaves such an end out, whatever its number.
         ends = [
             replace(end, attempt=self._in_flight.get(end.report.run_id, 0))
             for end in ends
@@ -337,6 +339,7 @@ class Dispatcher:
         self._withdrawn.clear()
 
     def _forget(self, run_ids: Iterable[str]) -> None:
+        # A lease is that of the latest attempt: with it, the one that waits is closed as well.
         for run_id in run_ids:
             self._in_flight.pop(run_id, None)
             self._next.pop(run_id, None)
@@ -371,6 +374,8 @@ class Dispatcher:
             # Ends first: leaving releases what is still in flight, to be simulated again.
             if self._unwritten:
                 self._write_and_claim()
+            # The executor, which is closed later, may still perform some. They do no harm: their
+            # ends are not written, and each attempt has a trace of its own.
             self._ownership.leave(sorted(self._in_flight))
         except StoreError as error:
             # The next server takes the runs over.

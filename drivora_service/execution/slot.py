@@ -379,6 +379,8 @@ def _may_affect_next_run(report: RunReport, child: Child) -> bool:
     """Returns whether a run may have changed the worker's state for later runs."""
     match report.status:
         case RunStatus.FINISHED:
+            # What its agents changed in the process was looked for before it finished
+            # (worker/integrity.py).
             return False
         case RunStatus.INVALID | RunStatus.AGENT_FAILED:
             # No agent was made in the worker process otherwise.

@@ -65,6 +65,8 @@ from drivora_service.simulation.traffic.sumo_traffic import Traffic
 from drivora_service.simulation.world import World
 
 _ROOM_FOR_CONTACTS = 64
+"""Contacts that may begin in one step. One that finds no room is found in the next step, unless
+another contact has ended the part of its ego."""
 _STEP = int(BoardCell.STEP)
 
 
@@ -215,6 +217,7 @@ class Episode:
         flow = self.plan.scenario.background_traffic
         if flow is None or not flow.count:
             return
+        # 1 is the stream of background traffic; 2 is that of the noise of sensors.
         rng = np.random.default_rng(np.random.SeedSequence([self.plan.scenario.seed, 1]))
         self._traffic.add_background(
             BackgroundVehicles(
@@ -261,7 +264,7 @@ class Episode:
 
     def _make_first_frame(self) -> None:
         self._team.start_due(0.0)
-        # No actor is present yet in the last row, which serves as the frame before the first.
+        # No actor is present yet in row 1, which serves as the frame before the first.
         self._make_frame(1, 0, 0.0)
         self._hand_over_started(range(len(self.plan.egos)))
         self._finish_frame(1, 0, 0.0)
@@ -356,6 +359,8 @@ class Episode:
         if k and self._has_sumo_drivers:
             driven = team.modes == CommandMode.EXTERNAL
             take_over_driven(team.bodies, driven, self._world.states[k], self._dt)
+        # The first end of an ego stands: a collision before an arrival in the same step, and both
+        # before the limit of time.
         if count:
             for i, j in self._found[:count].tolist():
                 self._contacts.append(Contact(step=k, ego=i, other=j))

@@ -19,7 +19,7 @@ BEHIND_TOLERANCE = 1.0
 
 NAMED_COST = 20.0
 """Metres by which a candidate may cost more than the cheapest of its place and still count as the
-place's own lane."""
+place's own lane: one metre further aside (``routing.DISTANCE_COST``)."""
 
 _TURN_LANES = 4
 """Maximum number of lanes of a turn, with the one after it."""

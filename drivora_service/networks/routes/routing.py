@@ -52,7 +52,8 @@ is never moved to another lane, while a later point may be passed in an adjacent
 
 MAX_EXTRA_COST = 600.0
 """Metres by which a lane may cost more than the cheapest for its point; a costlier one, such as the
-opposite lane of a point with a heading, is no candidate even if no other is reachable."""
+opposite lane of a point with a heading, is no candidate even if no other is reachable: that costs
+twice ``HEADING_COST``, as 1 - cos(pi) is 2."""
 
 MIN_LENGTH = 0.1
 """Metres; instead of a shorter way, the route goes around."""

@@ -103,6 +103,8 @@ def intrusion(
         area: The lane.
         heading: Direction of the lane, radians.
     """
+    # For a box along the lane the width that overlaps, which R157 means; of one that is turned, a
+    # corner that reaches in deeper counts with the share of its length that does.
     common = float(box.intersection(area).area)
     turn = yaw - heading
     extent = length * abs(math.cos(turn)) + width * abs(math.sin(turn))

@@ -84,7 +84,12 @@ TABLE: tuple[Callable[[Scene], Finding | None], ...] = (
     one_behind_the_other,
     side_by_side,
 )
-"""The first rule that applies decides."""
+"""The first rule that applies decides: what needs no lanes comes first.
+
+Pedestrians come before the edge of the road, which has another meaning for them, and what stands
+before junctions, as it gives way to nobody. In a junction the ways cross: who had to give way comes
+before how the two faced each other. The rest goes from what few collisions are to what any may be.
+"""
 
 
 def find_responsible(

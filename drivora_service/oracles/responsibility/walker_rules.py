@@ -21,6 +21,7 @@ def walker(scene: Scene) -> Finding | None:
         return _make_finding(Fault.EGO, "the ego drove in the lane of the other direction")
     if scene.impact.face is not Face.FRONT:
         return _make_finding(Fault.OTHER, "the pedestrian walked into the passing ego")
+    # When it stepped on to the road: what its light showed then counts, and whether there was time.
     step = scene.other.step(_entry(scene))
     in_time = scene.could_brake(scene.ego, step)
     crossings = scene.areas.on_crossing(scene.other.place(scene.other.count - 1))
@@ -41,6 +42,7 @@ def walker(scene: Scene) -> Finding | None:
             Fault.OTHER,
             f"the pedestrian came into the road {seconds:.1f} s before, too late to brake for",
         )
+    # With a green light, whenever it came: the ego's was red.
     if in_time or links:
         return _make_finding(Fault.EGO, "the pedestrian was on a crossing")
     return _make_finding(

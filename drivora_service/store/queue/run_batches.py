@@ -151,7 +151,8 @@ class RunBatch:
             self._reports.append(report_values(run.seq, transition.report, candidate))
             self._end(run, transition.report, values, when)
             return
-        # A run that was held once stays held, also if it comes back for another reason.
+        # A run that was held once stays held, also if it comes back for another reason: it may be
+        # the one that ends servers.
         wait = timedelta(seconds=transition.wait_s)
         values["not_before"] = when + wait if wait else run.not_before
         values["facet"] = self._count(run, state.status)

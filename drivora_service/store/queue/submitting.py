@@ -105,6 +105,7 @@ def _already_over(
     for run, run_id, key in zip(runs, ids, keys, strict=True):
         if run.report is not None:
             over[run_id] = replace(run.report, run_id=run_id)
+        # The document of a candidate is not known before a worker has decoded its genes.
         elif key in quarantined and run.candidate is None:
             over[run_id] = make_quarantine_report(run_id, quarantined[key])
     return over

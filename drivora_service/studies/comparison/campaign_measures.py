@@ -256,6 +256,7 @@ def compare_campaigns(
             if method != baseline
             and (row := _row(figures, scenario, method, baseline, by)) is not None
         ]
+        # A family for each measure: each is a question of its own, asked at all places.
         corrected = holm([row.p for row in found])
         rows += [replace(row, p_holm=p) for row, p in zip(found, corrected, strict=True)]
     return tuple(rows)

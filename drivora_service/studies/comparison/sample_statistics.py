@@ -62,6 +62,8 @@ def compare_samples(first: Sample, second: Sample) -> Effect:
     # Imported here and below: importing it takes half a second, which the service's start skips.
     from scipy import stats
 
+    # Also for few values: the exact distribution is that of ranks without ties, and counts of
+    # failures have many.
     test = stats.mannwhitneyu(x, y, alternative="two-sided", method="asymptotic")
     # U counts the pairs in which the first is larger, ties half.
     a12 = float(test.statistic) / (len(x) * len(y))

@@ -86,6 +86,7 @@ def later_starts(
         label = f"begins {begin:g} s later"
         found.append(Edit(changes=changes, label=label))
         if recording.has_lights:
+            # SUMO shows the second `t - offset` of a programme at the time t.
             offset = (document.traffic_lights.offset or 0.0) - begin
             shifted: Change = (("traffic_lights", "offset"), round(offset, 1))
             found.append(Edit(changes=(*changes, shifted), label=f"{label}, as do the lights"))

@@ -73,7 +73,8 @@ def fit_ensemble(
     mean, deviation = objectives.mean(axis=0), objectives.std(axis=0)
     deviation = np.where(deviation > 1e-12, deviation, 1.0)
     scaled = (objectives - mean) / deviation
-    # The models of the folds only weight; those that predict are trained with all points.
+    # The models of the folds only weight; those that predict are trained with all points. A fold
+    # has nearly that mean and deviation, and the same data for all models that it compares.
     return Ensemble(
         surrogates=tuple(fit(features, scaled) for fit in fits),
         weights=weights(validation_errors(features, scaled, fits, random, folds=folds)),

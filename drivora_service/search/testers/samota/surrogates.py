@@ -26,7 +26,7 @@ LENGTHS = (0.5, 1.0, 2.0, 4.0)
 """Candidate correlation lengths of Kriging, in deviations of the latent directions."""
 
 NOISES = (0.01, 0.1, 0.5)
-"""Candidate shares of the unexplainable variance for Kriging."""
+"""Candidate variances of what Kriging cannot explain; that of the process is 1."""
 
 
 class Surrogate(Protocol):
