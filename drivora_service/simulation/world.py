@@ -70,6 +70,7 @@ class World:
         self.kinds: IntArray = np.array([KIND_OF_ROLE[a.role] for a in actors], dtype=np.int64)
         n = len(actors)
         rows = min(max(expected_rows, 1), _MOST_ROWS_AT_ONCE)
+        # Not filled: with the rates, each step writes NaN to the rows of absent actors.
         self.states: FloatArray = np.empty((rows, n, len(Col)))
         self.present: BoolArray = np.zeros((rows, n), dtype=np.bool_)
         self.ego_values: FloatArray = np.full((rows, ego_count, len(EgoCol)), np.nan)
