@@ -59,6 +59,7 @@ class Child:
         self._next_descendants_look = 0.0
         self.log = WorkerLog(log, longest=limits.log_bytes)
         self.ready = False
+        self._says_ready = False
         self.restarts = -1
         self.candidate: Candidate | None = None
         self._spec: RunSpec | None = None
@@ -105,18 +106,19 @@ class Child:
             ProtocolError: It has sent something else.
         """
         worker = self._current()
-        frame = worker.receive(timeout)
-        if frame is None:
-            return False
-        if frame.kind is not Kind.READY:
-            message = message_of(frame)
-            if isinstance(message, NotReady):
-                raise NotReadyError(message.reason)
-            raise ProtocolError(f"the message {frame.kind.name} was not expected")
-        # Nobody reads what the keeper sends while the worker is idle.
-        worker.wait_until_known()
-        self.ready = True
-        return True
+        if not self._says_ready:
+            frame = worker.receive(timeout)
+            if frame is None:
+                return False
+            if frame.kind is not Kind.READY:
+                message = message_of(frame)
+                if isinstance(message, NotReady):
+                    raise NotReadyError(message.reason)
+                raise ProtocolError(f"the message {frame.kind.name} was not expected")
+            self._says_ready = True
+        # Nothing reads the keeper's messages while the worker is idle, so its id is read now.
+        self.ready = worker.wait_until_known(timeout)
+        return self.ready
 
     def begin(self, spec: RunSpec) -> None:
         """Hands a run to the process, which is idle."""
@@ -234,7 +236,7 @@ class Child:
     def end(self) -> None:
         """Ends the process and all that was started in it, and waits until they are gone."""
         worker, self._worker = self._worker, None
-        self.ready = False
+        self.ready = self._says_ready = False
         if worker is not None:
             if self._spec is not None and self.candidate is None:
                 # The scenario in which the process has died is known in most cases.

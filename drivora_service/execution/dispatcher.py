@@ -48,7 +48,8 @@ class Dispatcher:
 
     No other thread writes ends of runs. The next runs of the slots wait in the executor, so that no
     slot waits for the database. While the infrastructure has a fault, no run is claimed, and runs
-    that end because of the fault go back to the queue unchanged.
+    that end because of the fault go back to the queue unchanged. No run is claimed either in a
+    pause after lost attempts; those that the executor has go on.
     """
 
     def __init__(
@@ -104,7 +105,7 @@ class Dispatcher:
             at_end=self._release_all,
             explained=lambda: bool(self._infrastructure.confirm_now()),
             on_fatal=on_fatal,
-            # Less than `ownership.LOCK_TIMEOUT_S`: who tries again must not be taken for dead.
+            # Less than `ownership.LOCK_TIMEOUT_S`: a dispatcher that tries again is not dead.
             backoff=Backoff(longest_s=5.0),
         )
 
@@ -221,7 +222,7 @@ class Dispatcher:
 
     def _note_losses(self, ends: Sequence[AttemptEnd]) -> None:
         for end in ends:
-            pause = self._losses.note(end.report)
+            pause = self._losses.note(end)
             if pause:
                 failure = end.report.failure
                 cause = "" if failure is None else failure.cause
@@ -322,7 +323,7 @@ class Dispatcher:
             self._faults.error("workers_cannot_start", reason=fault)
         else:
             self._faults.over("workers_cannot_start", "workers_start_again")
-        if fault or self._infrastructure.fault or self._losses.is_on or self._stopping.is_set():
+        if fault or self._infrastructure.fault or self._stopping.is_set():
             # In each turn: a slot may have put back a run whose worker was not ready.
             self._withdrawn.update(self._executor.withdraw())
             self._withdrawn.update(spec.run_id for spec in self._claimed)

@@ -70,7 +70,7 @@ def prepare_processes(*, preloaded: bool = True) -> None:
 
 
 def start_process(target: Callable[..., None], args: tuple[Any, ...]) -> BaseProcess:
-    """Returns a process that was started from the fork server.
+    """Returns a process that was started from the fork server, or spawned if there can be none.
 
     Args:
         target: Function that the process calls.

@@ -143,21 +143,18 @@ class KeptWorker:
             raise WorkerDiedError(self._exit_code)
         return frame
 
-    def wait_until_known(self) -> None:
-        """Waits until the keeper has reported the process id of the worker.
+    def wait_until_known(self, timeout: float) -> bool:
+        """Waits until the keeper has reported the worker's process id, ``timeout`` s at most.
 
         A worker may be ready before: keeper and worker run at the same time from the fork on.
 
         Raises:
-            KeeperLostError: The keeper has ended or does not answer.
+            KeeperLostError: The keeper has ended.
         """
-        until = time.monotonic() + _ANSWER_S
         self._receive_keeper()
-        while self.pid is None:
-            if time.monotonic() > until or self._keeper.is_stopped:
-                raise KeeperLostError("the keeper does not report the process of its worker")
-            self._answers.wait(_LOOK_S)
+        if self.pid is None and self._answers.wait(timeout):
             self._receive_keeper()
+        return self.pid is not None
 
     def _expect_end(self) -> None:
         """Waits for the exit code of a worker with a closed channel.

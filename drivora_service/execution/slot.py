@@ -116,9 +116,10 @@ class Slot:
     def state(self) -> SlotState:
         """Returns what the slot does; never raises."""
         child = self._child
+        # While a worker starts or ends, only one of the two may be set. What is read after them
+        # belongs to a worker that is known.
+        ready, pid = child.ready, child.pid
         progress, process = child.progress(), child.reading()
-        # Of a worker that starts or ends meanwhile, one of the two may be known already.
-        pid, ready = child.pid, child.ready
         return SlotState(
             name=self.name,
             pid=pid,

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import islice
 
+import structlog
+
 from drivora_service.errors import WorkersCannotStart
 from drivora_service.execution.executor import Executor
 from drivora_service.execution.loss_pause import LossPause
@@ -17,6 +19,8 @@ from drivora_service.runs.run_report import RunReport, RunSpec
 
 _LOOK_S = 0.2
 """Seconds between two looks whether a pause is over."""
+
+_log = structlog.get_logger(__name__)
 
 
 class Runs:
@@ -41,7 +45,7 @@ class Runs:
         self._running: dict[str, tuple[RunSpec, RunState]] = {}
         self._losses = LossPause()
         # Attempts that the executor does not have yet: they wait for the end of a pause.
-        self._held: deque[RunSpec] = deque()
+        self._delayed: deque[RunSpec] = deque()
 
     def __len__(self) -> int:
         """Returns the number of runs in flight."""
@@ -64,8 +68,8 @@ class Runs:
             WorkersCannotStart: No worker can be started; the runs in flight have not failed.
         """
         over: list[AttemptEnd] = []
-        self._begin_held()
-        if self._held:
+        self._begin_delayed()
+        if self._delayed:
             timeout = _LOOK_S if timeout is None else min(timeout, _LOOK_S)
         # Attempts that ended before the fault are returned first.
         ends = self._executor.wait(0.0 if self._executor.fault else timeout, count=count)
@@ -73,7 +77,7 @@ class Runs:
             raise WorkersCannotStart(f"no worker can be started: {self._executor.fault}")
         for end in ends:
             spec, state = self._running.pop(end.report.run_id)
-            self._losses.note(end.report)
+            self._note_loss(end)
             transition = lifecycle.end(state, end.report, self._policy)
             if transition.report is not None:
                 over.append(replace(end, report=transition.report))
@@ -81,14 +85,33 @@ class Runs:
                 self._attempt(spec, transition.state)
         return tuple(over)
 
+    def discard(self, run_ids: Iterable[str]) -> tuple[str, ...]:
+        """Forgets runs that wait for the end of a pause; returns their ids.
+
+        The executor does not have them, so that it cannot cancel them.
+        """
+        wanted = frozenset(run_ids)
+        found = tuple(spec.run_id for spec in self._delayed if spec.run_id in wanted)
+        if found:
+            self._delayed = deque(spec for spec in self._delayed if spec.run_id not in wanted)
+            for run_id in found:
+                del self._running[run_id]
+        return found
+
+    def _note_loss(self, end: AttemptEnd) -> None:
+        pause = self._losses.note(end)
+        if pause:
+            cause = "" if end.report.failure is None else end.report.failure.cause
+            _log.warning("attempts_lost_in_a_row", last_cause=cause, pause_s=pause)
+
     def _attempt(self, spec: RunSpec, state: RunState) -> None:
         self._running[spec.run_id] = (spec, lifecycle.start(state))
-        self._held.append(spec)
-        self._begin_held()
+        self._delayed.append(spec)
+        self._begin_delayed()
 
-    def _begin_held(self) -> None:
-        while self._held and not self._losses.is_on:
-            self._executor.submit(self._held.popleft())
+    def _begin_delayed(self) -> None:
+        while self._delayed and not self._losses.is_on:
+            self._executor.submit(self._delayed.popleft())
 
 
 def run_all(

@@ -48,6 +48,34 @@ def test_a_fault_of_a_second_takes_no_run(executor: LocalExecutor, tmp_path: Pat
     assert statuses == [RunStatus.FINISHED] * 4
 
 
+def test_a_run_by_itself_is_not_lost_to_a_fault_of_seconds(
+    executor: LocalExecutor, tmp_path: Path
+) -> None:
+    folder = tmp_path / "traces"
+    repair = threading.Timer(3.0, folder.mkdir)
+    with executor:
+        repair.start()
+        (report,) = run_all(executor, specs(folder, 1))
+        repair.join()
+    assert report.status is RunStatus.FINISHED
+
+
+def test_runs_that_wait_for_the_end_of_a_pause_can_be_forgotten(
+    executor: LocalExecutor, tmp_path: Path
+) -> None:
+    wanted = specs(tmp_path / "traces", 2)
+    with executor:
+        runs = Runs(executor)
+        for spec in wanted:
+            runs.submit(spec)
+        found: tuple[str, ...] = ()
+        while not found:
+            assert not runs.wait(0.1)
+            found = runs.discard([spec.run_id for spec in wanted])
+        assert len(runs) == len(wanted) - len(found)
+        assert runs.discard(found) == ()
+
+
 def test_a_run_that_is_lost_again_and_again_fails(executor: LocalExecutor, tmp_path: Path) -> None:
     (bad,) = specs(tmp_path / "missing", 1)
     good = [RunSpec(run_id=f"good-{number}", document="sleep 0") for number in range(3)]

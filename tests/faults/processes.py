@@ -53,7 +53,7 @@ def keepers(folder: Path) -> tuple[psutil.Process, ...]:
 def _in_slots(folder: Path) -> dict[int, tuple[psutil.Process, int]]:
     """Returns the leaders of sessions of the fork server's code that log into a folder.
 
-    Or of processes that were started without it, as where it was killed at that moment.
+    Includes processes that were spawned because the fork server had been killed.
     By the id of each, with that of its parent. What an agent starts runs another program, or
     belongs to the session of a worker. Of a fork server that was killed they are no descendants.
     """

@@ -38,6 +38,8 @@ class SharedPool:
         self._changed = threading.Condition()
         self._members: deque[PoolEvaluator] = deque()
         self._owners: dict[str, PoolEvaluator] = {}
+        # Runs of campaigns that have ended, as long as the executor or a pause holds them.
+        self._abandoned: set[str] = set()
         self._fault = ""
         self._closed = False
         self._thread = threading.Thread(target=self._work, name="pool", daemon=True)
@@ -105,6 +107,7 @@ class SharedPool:
                 self._members.remove(member)
             abandoned = [*member.numbers]
             member.numbers.clear()
+            self._abandoned.update(abandoned)
             self._changed.notify_all()
         for run_id in abandoned:
             self._executor.cancel(run_id)
@@ -126,6 +129,7 @@ class SharedPool:
                     )
                     if self._closed:
                         return
+                    self._forget_abandoned()
                     self._fill()
                 ends = self._runs.wait(_POLL_S)
                 if ends:
@@ -137,6 +141,12 @@ class SharedPool:
                 self._changed.notify_all()
             if not isinstance(error, WorkersCannotStart):
                 raise
+
+    def _forget_abandoned(self) -> None:
+        """Forgets abandoned runs that wait for the end of a pause; the others were cancelled."""
+        for run_id in self._runs.discard(self._abandoned):
+            del self._owners[run_id]
+        self._abandoned &= self._owners.keys()
 
     def _fill(self) -> None:
         """Hands over as many runs as keep the workers busy, from each campaign in turn."""

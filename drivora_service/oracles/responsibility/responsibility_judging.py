@@ -87,8 +87,9 @@ TABLE: tuple[Callable[[Scene], Finding | None], ...] = (
 """The first rule that applies decides: what needs no lanes comes first.
 
 Pedestrians come before the edge of the road, which has another meaning for them, and what stands
-before junctions, as it gives way to nobody. In a junction the ways cross: who had to give way comes
-before how the two faced each other. The rest goes from what few collisions are to what any may be.
+before junctions, as it has no way to give. In a junction the ways cross: the rules of right of way
+come before how the two faced each other. The rest goes from what few collisions are to what all
+may be.
 """
 
 

@@ -3,9 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 
-from drivora_service.oracles.laws.formula import Formula, Implies, Not, Or, Temporal, Until
+from drivora_service.oracles.laws.formula import (
+    And,
+    Flag,
+    Formula,
+    Implies,
+    Interval,
+    Not,
+    Or,
+    Temporal,
+    Until,
+    Window,
+)
 from drivora_service.oracles.laws.normal_form import (
     count_sub_violations,
     normal_form,
@@ -30,6 +41,17 @@ def test_two_negations_are_none(formula: Formula) -> None:
 
 @settings(suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow])
 @given(formulas(), signals(1, 14))
+@example(
+    And(
+        parts=(
+            Flag(signal="f"),
+            Temporal(
+                window=Window.ALWAYS, interval=Interval(start=2, end=4), inner=Flag(signal="g")
+            ),
+        )
+    ),
+    {name: [0.0, 0.0, 0.0] for name in "abcfg"},
+)
 def test_the_ways_to_violate_are_together_the_negation(
     formula: Formula, values: dict[str, list[float]]
 ) -> None:
@@ -40,7 +62,9 @@ def test_the_ways_to_violate_are_together_the_negation(
     held = (np.max([over.of(way) for way in ways], axis=0) > 0.0).tolist()
     violated = [reference(formula, values, row, MOST) < 0.0 for row in range(count)]
     back, ahead = horizons(formula)
-    assert held[back : count - ahead] == violated[back : count - ahead]
+    # None, where the formula looks further than there are rows.
+    whole = slice(back, max(count - ahead, 0))
+    assert held[whole] == violated[whole]
     # Where rows are missing, it may be known that the formula is violated, but not how.
     assert all(known for way, known in zip(held, violated, strict=True) if way)
 
