@@ -49,7 +49,7 @@ class Dispatcher:
     No other thread writes ends of runs. The next runs of the slots wait in the executor, so that no
     slot waits for the database. While the infrastructure has a fault, no run is claimed, and runs
     that end because of the fault go back to the queue unchanged. No run is claimed either in a
-    pause after lost attempts; those that the executor has go on.
+    pause after lost attempts, and those that wait for a slot then go back.
     """
 
     def __init__(
@@ -92,6 +92,7 @@ class Dispatcher:
         self._faults = FaultLog(_log)
         self._pace = Pace()
         self._losses = LossPause()
+        self._pause_begins = False
         self._next_write = 0.0
         self._beats, self._looks = Interval(_HEARTBEAT_S), Interval(_POLL_S)
         self._to_cancel: set[str] = set()
@@ -224,6 +225,7 @@ class Dispatcher:
         for end in ends:
             pause = self._losses.note(end)
             if pause:
+                self._pause_begins = True
                 failure = end.report.failure
                 cause = "" if failure is None else failure.cause
                 _log.warning("attempts_lost_in_a_row", last_cause=cause, pause_s=pause)
@@ -323,11 +325,14 @@ class Dispatcher:
             self._faults.error("workers_cannot_start", reason=fault)
         else:
             self._faults.over("workers_cannot_start", "workers_start_again")
-        if fault or self._infrastructure.fault or self._stopping.is_set():
-            # In each turn: a slot may have put back a run whose worker was not ready.
+        if fault or self._infrastructure.fault or self._stopping.is_set() or self._pause_begins:
+            # In each turn: a slot may have put back a run whose worker was not ready. In a pause
+            # once: it holds for all slots, of which some may be well, and nodes of a cluster may
+            # take seconds to answer.
             self._withdrawn.update(self._executor.withdraw())
             self._withdrawn.update(spec.run_id for spec in self._claimed)
             self._claimed.clear()
+            self._pause_begins = False
 
     def _release_withdrawn(self) -> None:
         """Puts withdrawn runs back into the queue, unchanged."""

@@ -41,9 +41,11 @@ def limited(service: Service, kind: int, value: int, *, of: Sequence[int] = ()) 
     try:
         yield
     finally:
-        for process in processes.tree(service.pid):
-            with contextlib.suppress(ProcessLookupError):
-                resource.prlimit(process.pid, kind, before)
+        # Twice: a process may have been started between the look and the end of its parent's limit.
+        for _ in range(2):
+            for process in processes.tree(service.pid):
+                with contextlib.suppress(ProcessLookupError):
+                    resource.prlimit(process.pid, kind, before)
 
 
 @contextlib.contextmanager
