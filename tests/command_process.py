@@ -6,8 +6,9 @@ import multiprocessing
 import os
 import sys
 import tempfile
+import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing import forkserver
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -16,29 +17,45 @@ from unittest import mock
 
 import typer.main
 
+from drivora_service.worker.process_readings import ProcessHandle
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(slots=True)
 class Begun:
-    """A command that may not have ended, with the methods of `subprocess.Popen`."""
+    """A command that may not have ended, with the methods of `subprocess.Popen`.
+
+    Some tests end the fork server, which alone knows exit codes. A command that goes on without it
+    has not ended, though `multiprocessing` then says that it has.
+    """
 
     process: BaseProcess
+    _handle: ProcessHandle = field(init=False)
+
+    def __post_init__(self) -> None:
+        assert self.process.pid is not None
+        self._handle = ProcessHandle(self.process.pid)
+        # It needs no file, of which there would be hundreds: ids are told apart by their starts.
+        self._handle.close()
 
     def poll(self) -> int | None:
         """Its exit code, if it has ended."""
-        return self.process.exitcode
+        code = self.process.exitcode
+        return None if code is not None and self._handle.lives else code
 
     def wait(self, timeout: float | None = None) -> int:
         """Waits for its end, and returns its exit code."""
+        until = None if timeout is None else time.monotonic() + timeout
         self.process.join(timeout)
-        code = self.process.exitcode
-        if code is None:
-            raise TimeoutError
+        while (code := self.poll()) is None:
+            if until is not None and time.monotonic() >= until:
+                raise TimeoutError
+            time.sleep(0.02)
         return code
 
     def kill(self) -> None:
         """Kills it, and waits until it is gone."""
-        self.process.kill()
-        self.process.join()
+        self._handle.kill()
+        self.wait()
 
     def send_signal(self, number: int) -> None:
         """Sends it a signal."""

@@ -52,8 +52,8 @@ def test_a_command_ends_with_its_program(
     script = f"""
     drivora serve --workers 1 --port 0 --data-dir data > log 2>&1 &
     until [ -f data/service.json ]; do sleep 0.05; done
-    kill -{signal} %1
-    wait %1
+    kill -{signal} $!
+    wait $!
     echo $? > code
     """
     with forked_drivora() as programs:
