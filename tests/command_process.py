@@ -34,7 +34,7 @@ class Begun:
     def __post_init__(self) -> None:
         assert self.process.pid is not None
         self._handle = ProcessHandle(self.process.pid)
-        # It needs no file, of which there would be hundreds: ids are told apart by their starts.
+        # Else hundreds would stay open. The time of its start identifies the process as well.
         self._handle.close()
 
     def poll(self) -> int | None:

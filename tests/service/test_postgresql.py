@@ -28,7 +28,7 @@ from tests.command_process import begin
 from tests.forked_service import forked_service, killed_service
 from tests.postgresql_server import PostgresqlServer
 
-RUNS, SIMULATIONS = 24, 20
+RUNS, SIMULATIONS = 24, 40
 CAMPAIGN = {
     "name": "tee",
     "tester": {"name": "avfuzzer"},
@@ -67,7 +67,7 @@ def test_a_killed_service_loses_nothing_and_its_dump_is_restored(
         answer = client.post(f"{address}/api/v1/campaigns", json=CAMPAIGN)
         campaign = f"/campaigns/{answer.raise_for_status().json()['id']}"
         # The runs of the batch come first: most of the campaign is still to come when it is killed.
-        until(client, f"{address}/api/v1{campaign}", lambda one: one["counts"]["evaluations"] >= 1)
+        until(client, f"{address}/api/v1{campaign}", lambda one: one["counts"]["evaluations"] >= 8)
         answer = client.post(
             f"{address}/api/v1/batches",
             content=batch_lines(),
