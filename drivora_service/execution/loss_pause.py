@@ -15,8 +15,15 @@ _PAUSES_S = (2.0, 8.0, 30.0)
 _SAY_NOTHING = (RunStatus.CANCELLED, RunStatus.INVALID)
 """Ends of attempts that show neither that workers are well nor that they are not."""
 
-_OTHER_CAUSES = (NOT_BEGUN, "agent_killed", "worker_protocol", "network_replaced")
-"""Causes of lost attempts that come from a node, an ADS, or a network."""
+_OTHER_CAUSES = (
+    NOT_BEGUN,
+    "agent_killed",
+    "network_replaced",
+    "worker_protocol",
+    # Found after the wall time of a run; what lasts some seconds cannot take all attempts so.
+    "worker_stopped",
+)
+"""Causes of lost attempts that come from a node, an ADS, a network, or last longer than a pause."""
 
 
 class LossPause:

@@ -109,7 +109,7 @@ def test_ends_that_show_nothing_do_not_end_it(pause: LossPause, status: RunStatu
     assert pause.is_on
 
 
-@pytest.mark.parametrize("cause", [NOT_BEGUN, "agent_killed"])
+@pytest.mark.parametrize("cause", [NOT_BEGUN, "agent_killed", "worker_stopped"])
 def test_losses_that_other_runs_need_not_meet_do_not_count(pause: LossPause, cause: str) -> None:
     assert sum(pause.note(lost(name, cause=cause)) for name in "abcde") == 0.0
     assert not pause.is_on
