@@ -72,13 +72,16 @@ def vehicle_conflicts(ego: EgoView, *, attention: float) -> Iterator[Conflict]:
         ego: The ego.
         attention: Seconds after the ego's passage within which others count.
     """
+    if not ego.network.path.is_file():
+        # SUMO's table of the right of way is in the network's file.
+        return
     for crossing in ego.crossings:
         if len(crossing.ways) != 1 or not crossing.ways[0].inside:
             continue
         foes = _foes(ego, crossing, crossing.ways[0])
         if not foes:
             continue
-        leaves = _leaves(ego, crossing)
+        leaves = leaving_row(ego, crossing)
         last = min(leaves + round(attention / ego.step_length), ego.count - 1)
         for actor in ego.trace.actors:
             if actor.row == ego.row or actor.role not in VEHICLES:
@@ -152,8 +155,8 @@ def _may_go(ego: EgoView, incoming: int, lanes: tuple[int, ...], row: int) -> bo
     return False
 
 
-def _leaves(ego: EgoView, crossing: Crossing) -> int:
-    """Returns the first row after the junction, or the last of the ego."""
+def leaving_row(ego: EgoView, crossing: Crossing) -> int:
+    """Returns the first row of an ego after the junction behind a line, or its last one."""
     way = crossing.ways[0]
     inside = np.isin(ego.lanes, way.inside)
     inside[: crossing.front] = False

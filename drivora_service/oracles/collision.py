@@ -83,11 +83,13 @@ class Collision:
         k, other = collision.k, collision.other
         impact, found = collision.impact, collision.finding
         replayed = assess(ego, k, other.row)
+        chain = replayed.evidence.get("chain")
+        led_to = f" {chain[0].upper()}{chain[1:]}." if chain else ""
         return violated(
             self.name,
             ego,
             k,
-            f"Collided with {other.id} at {impact.relative_speed:.1f} m/s: {found.reason}.",
+            f"Collided with {other.id} at {impact.relative_speed:.1f} m/s: {found.reason}.{led_to}",
             at_fault=found.at_fault,
             undetermined=found.fault is Fault.UNKNOWN,
             avoidable=replayed.avoidable,

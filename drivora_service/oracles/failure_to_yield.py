@@ -39,17 +39,24 @@ class FailureToYield:
         """Returns a verdict for every actor whose right of way an ego took."""
         return tuple(verdict for ego in run.egos for verdict in self._judge(ego))
 
-    def _judge(self, ego: EgoView) -> list[Verdict]:
-        if ego.count < 2:
-            return [not_started(self.name, ego)]
+    def find_conflicts(self, ego: EgoView) -> list[Conflict]:
+        """Returns the conflicts in which an ego went before an actor with the right of way."""
         conflicts = [
             *vehicle_conflicts(ego, attention=self.attention),
             *walker_conflicts(ego, attention=self.attention),
         ]
+        return sorted(conflicts, key=lambda one: (one.row, one.other))
+
+    def hinders(self, conflict: Conflict) -> bool:
+        """Returns whether the ego hindered the other in a conflict."""
+        return conflict.lag < self.encroachment or conflict.braking >= self.braking
+
+    def _judge(self, ego: EgoView) -> list[Verdict]:
+        if ego.count < 2:
+            return [not_started(self.name, ego)]
+        conflicts = self.find_conflicts(ego)
         verdicts = [
-            self._make_violation(ego, conflict)
-            for conflict in sorted(conflicts, key=lambda one: (one.row, one.other))
-            if conflict.lag < self.encroachment or conflict.braking >= self.braking
+            self._make_violation(ego, conflict) for conflict in conflicts if self.hinders(conflict)
         ]
         if verdicts:
             return verdicts

@@ -16,6 +16,23 @@ from drivora_service.oracles.verdict import Verdict, not_measurable, not_started
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class StopLinePassage:
+    """A passage of a line at which the ego must stop, by one of the ways that it may have taken.
+
+    Attributes:
+        row: The ego's row in which its front passed the line.
+        slowest: Its least mean speed over a window before the line, m/s.
+        before: Metres before the line at which it was that slow.
+        ran: Whether it passed without having stood; None if not all ways require a stop.
+    """
+
+    row: int
+    slowest: float
+    before: float
+    ran: bool | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class StopSign:
     """Violated where the ego's front crosses a line at which its movement must stop first.
 
@@ -46,38 +63,42 @@ class StopSign:
     def _judge(self, ego: EgoView) -> list[Verdict]:
         if ego.count < 2:
             return [not_started(self.name, ego)]
-        verdicts = []
-        lines = unclear = 0
-        for crossing in ego.crossings:
-            stops = {_must_stop(ego, crossing, way.connection) for way in crossing.ways}
-            if stops == {False}:
-                continue
-            lines += 1
-            slowest, before = self._slowest(ego, crossing)
-            if slowest < self.standing_speed:
-                continue
-            if False in stops:
-                unclear += 1
-                continue
-            verdicts.append(
-                violated(
-                    self.name,
-                    ego,
-                    crossing.front,
-                    f"Drove past a stop sign at {ego.speed[crossing.front]:.1f} m/s; its slowest "
-                    f"approach was {slowest:.1f} m/s, {before:.1f} m before the line.",
-                    at_fault=True,
-                    speed=float(ego.speed[crossing.front]),
-                    slowest=slowest,
-                    slowest_before=before,
-                )
+        passages = [
+            passage for crossing in ego.crossings if (passage := self.judge_passage(ego, crossing))
+        ]
+        verdicts = [
+            violated(
+                self.name,
+                ego,
+                passage.row,
+                f"Drove past a stop sign at {ego.speed[passage.row]:.1f} m/s; its slowest "
+                f"approach was {passage.slowest:.1f} m/s, {passage.before:.1f} m before the line.",
+                at_fault=True,
+                speed=float(ego.speed[passage.row]),
+                slowest=passage.slowest,
+                slowest_before=passage.before,
             )
+            for passage in passages
+            if passage.ran
+        ]
+        lines = len(passages)
+        unclear = sum(passage.ran is None for passage in passages)
         if verdicts:
             return verdicts
         if unclear:
             message = f"Crossed {unclear} lines; whether it had to stop there is unknown."
             return [not_measurable(self.name, ego, message, lines=lines, unclear=unclear)]
         return [passed(self.name, ego, f"Stood at all of {lines} stop signs.", lines=lines)]
+
+    def judge_passage(self, ego: EgoView, crossing: Crossing) -> StopLinePassage | None:
+        """Returns how an ego passed a line; None if it need not stop there."""
+        stops = {_must_stop(ego, crossing, way.connection) for way in crossing.ways}
+        if stops == {False}:
+            return None
+        slowest, before = self._slowest(ego, crossing)
+        stood = slowest < self.standing_speed
+        ran = None if not stood and False in stops else not stood
+        return StopLinePassage(row=crossing.front, slowest=slowest, before=before, ran=ran)
 
     def _slowest(self, ego: EgoView, crossing: Crossing) -> tuple[float, float]:
         """Returns the least mean speed over a window before a line, m/s, and the distance left.

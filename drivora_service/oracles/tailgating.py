@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.geometry.array_shapes import FloatArray
-from drivora_service.observations.leaders import leaders
+from drivora_service.observations.leaders import Leaders, leaders
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.oracles.stretches import stretches
 from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
@@ -62,15 +62,19 @@ class Tailgating:
         )
         return np.maximum(needed, 0.0)
 
+    def measure(self, ego: EgoView) -> tuple[Leaders, FloatArray]:
+        """Returns the vehicles ahead of an ego, and the (n,) safe distances to them, metres."""
+        ahead = leaders(ego, vehicles_only=True)
+        speed = np.maximum(ego.forward_speed, 0.0)
+        return ahead, self.safe_distance(speed, np.nan_to_num(np.maximum(ahead.speed, 0.0)))
+
     def _judge(self, ego: EgoView) -> list[Verdict]:
         if not ego.count:
             return [not_started(self.name, ego)]
-        ahead = leaders(ego, vehicles_only=True)
+        ahead, needed = self.measure(ego)
         speed = np.maximum(ego.forward_speed, 0.0)
-        needed = self.safe_distance(speed, np.nan_to_num(np.maximum(ahead.speed, 0.0)))
-        near = (ahead.room < needed) & ahead.same_way
         verdicts = []
-        for first, last in stretches(near):
+        for first, last in stretches((ahead.room < needed) & ahead.same_way):
             seconds = float((last - first) * ego.step_length)
             if seconds < self.duration - 1e-9:
                 continue

@@ -13,13 +13,22 @@ from drivora_service.errors import UnknownName
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.recorded_conditions import frictions_under, perception_ranges
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import Role, Trace
-from drivora_service.oracles.avoidability.braking_evasion import careful_braking, instant_braking
-from drivora_service.oracles.avoidability.breach import Breach, own_breach
+from drivora_service.observations.trace import EgoCol, Role, Trace
+from drivora_service.oracles.avoidability.braking_evasion import (
+    brakes_clear,
+    careful_braking,
+    instant_braking,
+)
+from drivora_service.oracles.avoidability.breach import (
+    BREACH_IN_WORDS,
+    Breach,
+    OwnBreach,
+    find_own_breach,
+)
 from drivora_service.oracles.avoidability.careful_driver import GRAVITY, CarefulDriver
 from drivora_service.oracles.avoidability.evasion import find_evasion
-from drivora_service.oracles.avoidability.replayed_contact import Replay, cut_out
-from drivora_service.oracles.avoidability.risk import Perceived, perceive_risk
+from drivora_service.oracles.avoidability.replayed_contact import Replay, cut_out, slow_down
+from drivora_service.oracles.avoidability.risk import RISK_IN_WORDS, Perceived, perceive_risk
 from drivora_service.oracles.verdict import Answer
 from drivora_service.scenario.models.actor_models import ActorKind, ActorModel, actor_model
 
@@ -79,18 +88,39 @@ def assess(
         heights=_heights(ego.trace),
         sight=perception_ranges(ego.trace, replay.first, replay.contact),
     )
-    breach = own_breach(ego, k)
+    full = driver.full_braking(grip, brakes)
+    start = k - replay.contact
+
+    def in_time_at_limit() -> bool:
+        limits = ego.value(EgoCol.SPEED_LIMIT)[start : k + 1]
+        slower = slow_down(replay, perceived.row, limits)
+        return brakes_clear(
+            slower, perceived.row, delay=driver.delay, full=full, grip=grip, jerk=driver.jerk
+        )
+
+    breach = find_own_breach(
+        ego, k, counterpart, start + perceived.row, in_time_at_limit=in_time_at_limit
+    )
     # An ego in breach is assumed to know the risk from the start of the record on.
     since = perceived.row if breach is None else 0
     latest = careful_braking(replay, driver, grip, brakes)
-    avoidable = latest >= since and latest >= 0
+    # Of an ego on the wrong side no braking helps against what comes towards it; but the careful
+    # driver does not go there.
+    came_over = (
+        replay.oncoming > 0.0
+        and breach is not None
+        and breach.kind is Breach.OFF_ITS_SIDE
+        and breach.row > 0
+    )
+    avoidable = (latest >= since and latest >= 0) or came_over
     physically = avoidable or _physically(
         ego, replay, max(since, 0) if breach is None else perceived.row, grip, brakes, model
     )
+    friction = float(under[perceived.row :].min())
     return Avoidability(
         avoidable=Answer.YES if avoidable else Answer.NO,
         physically_avoidable=Answer.YES if physically else Answer.NO,
-        evidence=_evidence(replay, perceived, breach, latest, float(under[perceived.row :].min())),
+        evidence=_evidence(replay, perceived, breach, k, latest, friction),
     )
 
 
@@ -122,13 +152,15 @@ def _physically(
 def _evidence(
     replay: Replay,
     perceived: Perceived,
-    breach: tuple[Breach, int] | None,
+    breach: OwnBreach | None,
+    k: int,
     latest: int,
     friction: float,
 ) -> dict[str, Any]:
     """Returns the evidence: the decisive moments in seconds before the contact, and the reasons.
 
-    ``friction`` is the least that the ego had from the perception of the risk on.
+    ``k`` is the ego's row at the contact; ``friction`` is the least that the ego had from the
+    perception of the risk on.
     """
 
     def before(row: int) -> float:
@@ -139,10 +171,25 @@ def _evidence(
         "risk": risk,
         "risk_perceived_before": None if risk is None else before(perceived.row),
         "was_hidden": perceived.hidden,
-        "own_breach": None if breach is None else str(breach[0]),
+        "own_breach": None if breach is None else str(breach.kind),
+        "own_breach_before": (None if breach is None else round((k - breach.row) * replay.step, 6)),
+        "chain": _chain(replay, perceived, breach, k),
         "latest_before": None if latest < 0 else before(latest),
         "friction": friction,
     }
+
+
+def _chain(replay: Replay, perceived: Perceived, breach: OwnBreach | None, k: int) -> str | None:
+    """Returns the breach and the danger that it led to, in words; None without a breach."""
+    if breach is None:
+        return None
+    events = [((k - breach.row) * replay.step, f"the ego {BREACH_IN_WORDS[breach.kind]}")]
+    if perceived.risk is not None:
+        danger = (replay.contact - perceived.row) * replay.step
+        events.append((danger, RISK_IN_WORDS[perceived.risk]))
+    # The longest ago first: a driver who looks ahead may see the danger before the breach.
+    events.sort(key=lambda event: -event[0])
+    return "; ".join(f"{before:.1f} s before, {what}" for before, what in events)
 
 
 def _model(trace: Trace, row: int) -> ActorModel | None:

@@ -19,7 +19,14 @@ _LEAST_SHARE = 0.2
 """Share of the grip that is left in bends for braking (as in the ego's dynamics)."""
 
 WAIT = 2.0
-"""Seconds after the ego's standstill in which collisions with others count."""
+"""Seconds after the ego's standstill in which collisions with others count; any time later does if
+the actor that was hit comes towards the ego on its way (``is_run_into``)."""
+
+_SWEEP_STEP = 0.5
+"""Metres between the places at which an oncoming actor is tried: much less than its length."""
+
+_FARTHEST = 300.0
+"""Metres for which an oncoming actor is followed."""
 
 
 class _Braking(NamedTuple):
@@ -131,6 +138,43 @@ def meets(
 
 
 @compiled
+def is_run_into(replay: Replay, x: float, y: float, yaw: float, arc: float) -> bool:
+    """Returns whether the actor that was hit later runs into an ego that has come to a stand.
+
+    Of an actor that came towards the ego, at whatever time: standing earlier only makes the contact
+    later. It goes on straight; head on, it goes on along the ego's path, which may be a bend.
+
+    Args:
+        replay: The collision.
+        x, y, yaw: Pose of the standing ego.
+        arc: Its arc length on the path.
+    """
+    if replay.oncoming <= 0.0:
+        return False
+    length, width = replay.sizes[0, SizeCol.LENGTH], replay.sizes[0, SizeCol.WIDTH]
+    if replay.head_on:
+        # The last but one point of the path is the ego's place at the contact, when the two were
+        # in one another by a step's way.
+        end, other = replay.path[replay.path.shape[0] - 2], replay.others[replay.contact, 0]
+        apart = math.hypot(other[Col.X] - end[DrivenCol.X], other[Col.Y] - end[DrivenCol.Y])
+        room = apart - 0.5 * (replay.length + length)
+        met = end[DrivenCol.ARC] - arc + room <= replay.oncoming
+        on_x, on_y, _ = pose_on(replay.path, arc, place_on(replay.path, arc, 0))
+        beside = math.hypot(x - on_x, y - on_y) < 0.5 * (replay.width + width)
+        return bool(met and beside)
+    state = replay.others[replay.contact, 0]
+    cos, sin = math.cos(state[Col.YAW]), math.sin(state[Col.YAW])
+    for k in range(int(min(replay.oncoming, _FARTHEST) / _SWEEP_STEP) + 1):
+        depth = overlap_depth(
+            state[Col.X] + k * _SWEEP_STEP * cos - x, state[Col.Y] + k * _SWEEP_STEP * sin - y,
+            yaw, replay.length, replay.width, state[Col.YAW], length, width,
+        )  # fmt: skip
+        if depth > 0.0:
+            return True
+    return False
+
+
+@compiled
 def place_on(path: FloatArray, arc: float, near: int) -> int:
     """Returns the index of the path's segment that contains ``arc``, searched from ``near`` on."""
     i = int(min(max(near, 0), path.shape[0] - 2))
@@ -192,5 +236,5 @@ def _brakes_clear(replay: Replay, row: int, how: _Braking) -> bool:
         if standing:
             stood += step
             if t >= contact and stood >= WAIT:
-                return True
-    return True
+                return not is_run_into(replay, x, y, yaw, arc)
+    return speed > 0.0 or not is_run_into(replay, x, y, yaw, arc)

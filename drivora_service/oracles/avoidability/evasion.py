@@ -19,7 +19,13 @@ from drivora_service.networks.drivable_area import near_area
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.ground import vehicle_friction
 from drivora_service.observations.trace import Col
-from drivora_service.oracles.avoidability.braking_evasion import WAIT, meets, place_on, pose_on
+from drivora_service.oracles.avoidability.braking_evasion import (
+    WAIT,
+    is_run_into,
+    meets,
+    place_on,
+    pose_on,
+)
 from drivora_service.oracles.avoidability.replayed_contact import DrivenCol, Replay
 
 BRAKING_SHARES = (0.0, 0.5, 0.8, 0.95)
@@ -170,5 +176,5 @@ def _evade(
         if speed <= 0.0:
             stood += step
             if at > contact and stood >= WAIT:
-                return t + 1
+                return 0 if is_run_into(replay, x, y, yaw, arc) else t + 1
     return count

@@ -33,6 +33,16 @@ NEAR = 150.0
 SAME_WAY = math.radians(30.0)
 """Difference of headings up to which an actor goes the ego's way, radians."""
 
+AGAINST = math.radians(115.0)
+"""Difference of headings from which on an actor comes towards the ego, radians."""
+
+_HEAD_ON = math.radians(10.0)
+"""Radians from the opposite of the ego's heading up to which an actor comes head on: it follows the
+same road. At larger angles one of the two turns, and leaves the way of the other."""
+
+_CREEPS = 0.1
+"""m/s up to which an actor has no direction of motion."""
+
 _ONWARDS = 300.0
 """Metres of the straight extension of the ego's path beyond the contact."""
 
@@ -79,6 +89,9 @@ class Replay(NamedTuple):
         patches: (S, 8) slippery places on the ego's level, columns ``ground.PatchCol``, at height
             0 and with their friction as a share of ``friction``.
         wheelbase: Of the ego, metres.
+        oncoming: Metres that the actor that was hit goes on against the ego's way after the
+            contact; 0 if it does not come towards the ego.
+        head_on: Whether it then comes straight towards the ego.
     """
 
     step: float
@@ -97,6 +110,8 @@ class Replay(NamedTuple):
     road: FloatArray
     patches: FloatArray
     wheelbase: float
+    oncoming: float
+    head_on: bool
 
 
 def cut_out(ego: EgoView, k: int, counterpart: int) -> Replay:
@@ -117,6 +132,7 @@ def cut_out(ego: EgoView, k: int, counterpart: int) -> Replay:
     actors = [trace.actors[row] for row in rows]
     road = road_frictions(trace, first, len(others))
     friction = float(road.max())
+    oncoming, head_on = _oncoming(trace, counterpart, first + contact, float(states[-1, Col.YAW]))
     return Replay(
         step=trace.step_length,
         first=first,
@@ -134,7 +150,36 @@ def cut_out(ego: EgoView, k: int, counterpart: int) -> Replay:
         road=road / friction,
         patches=_patches(trace, float(states[-1, Col.Z]), friction),
         wheelbase=wheelbase_of(ego.actor),
+        oncoming=oncoming,
+        head_on=head_on,
     )
+
+
+def slow_down(replay: Replay, row: int, limits: FloatArray) -> Replay:
+    """Returns a replay in which the ego keeps within speed limits from a row on.
+
+    It is on the same path, later. The others move as before.
+
+    Args:
+        replay: The collision.
+        row: Row of the replay.
+        limits: (contact + 1,) m/s; NaN where there is none.
+    """
+    # Sampled at the recorded rows: a limit of a place that the slower ego reaches later counts from
+    # the row in which the recorded ego was there.
+    share = np.ones(replay.contact + 1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        slower = np.where(replay.speed > limits, limits / replay.speed, 1.0)
+    share[row:] = slower[row:]
+    driven, beyond = replay.path[: replay.contact + 1], replay.path[-1:]
+    arcs = np.zeros(len(driven))
+    arcs[1:] = np.cumsum(np.diff(driven[:, DrivenCol.ARC]) * share[:-1])
+    places = np.column_stack(
+        [np.interp(arcs, driven[:, DrivenCol.ARC], driven[:, column]) for column in DrivenCol]
+    )
+    ahead = driven[driven[:, DrivenCol.ARC] > arcs[-1] + 1e-9]
+    path = np.ascontiguousarray(np.vstack((places, ahead, beyond)))
+    return replay._replace(path=path, speed=replay.speed * share)
 
 
 def _patches(trace: Trace, height: float, friction: float) -> FloatArray:
@@ -176,6 +221,30 @@ def _path(states: FloatArray) -> FloatArray:
     return path
 
 
+def _oncoming(trace: Trace, row: int, step: int, heading: float) -> tuple[float, bool]:
+    """Returns how far an actor goes on against a heading after a row, and whether head on.
+
+    Metres, 0 if it does not come towards the heading.
+    """
+    state = trace.states[step, row]
+    speed, braking = _pace(trace, row, step)
+    turn = abs(wrap_angle(math.atan2(state[Col.VY], state[Col.VX]) - heading))
+    if speed <= _CREEPS or turn < AGAINST:
+        return 0.0, False
+    reach = speed * speed / (2.0 * braking) if braking > 0.0 else math.inf
+    return reach, turn > math.pi - _HEAD_ON
+
+
+def _pace(trace: Trace, row: int, step: int) -> tuple[float, float]:
+    """Returns an actor's speed in a row, m/s, and its braking until then, m/s², at least 0."""
+    back = max(step - max(round(_SMOOTHING / trace.step_length), 1), 0)
+    speed = math.hypot(*trace.states[step, row, [Col.VX, Col.VY]])
+    if not trace.present[back, row] or back >= step:
+        return speed, 0.0
+    before = math.hypot(*trace.states[back, row, [Col.VX, Col.VY]])
+    return speed, max((before - speed) / ((step - back) * trace.step_length), 0.0)
+
+
 def _motion(
     trace: Trace, rows: list[int], first: int, contact: int, after: int, heading: float
 ) -> tuple[FloatArray, BoolArray]:
@@ -200,13 +269,8 @@ def _carry_on(
 ) -> None:
     """Fills the (R, 3) poses of an actor after row ``last``."""
     state = trace.states[first + last, row]
-    back = max(first + last - max(round(_SMOOTHING / trace.step_length), 1), 0)
-    speed = math.hypot(state[Col.VX], state[Col.VY])
-    braking = 0.0
-    if trace.present[back, row] and back < first + last:
-        before = math.hypot(*trace.states[back, row, [Col.VX, Col.VY]])
-        braking = max((before - speed) / ((first + last - back) * trace.step_length), 0.0)
-    way = math.atan2(state[Col.VY], state[Col.VX]) if speed > 0.1 else float(state[Col.YAW])
+    speed, braking = _pace(trace, row, first + last)
+    way = math.atan2(state[Col.VY], state[Col.VX]) if speed > _CREEPS else float(state[Col.YAW])
     yaw = float(state[Col.YAW])
     if abs(wrap_angle(way - heading)) < SAME_WAY:
         yaw = way = heading

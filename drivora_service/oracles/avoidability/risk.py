@@ -52,6 +52,14 @@ class Risk(StrEnum):
     """The vehicle in front braked hard."""
 
 
+RISK_IN_WORDS = {
+    Risk.MEETING: "both were about to meet",
+    Risk.CUTTING_IN: "the other cut in",
+    Risk.LEADER_BRAKING: "the other braked hard",
+}
+"""The danger, by the risk that was perceptible."""
+
+
 class _CourseCol(IntEnum):
     """Columns of the course of an actor."""
 

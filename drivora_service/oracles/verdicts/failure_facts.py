@@ -84,7 +84,10 @@ def failure_sentence(verdict: Verdict, *, town: str, kind: str = "") -> str:
     """
     where = _place(verdict, town, kind)
     account = _account(verdict)
-    return f"{_what(verdict)}, {where}{'; ' + account if account else ''}."
+    assessed = verdict.evidence.get("avoidability")
+    chain = assessed.get("chain") if isinstance(assessed, Mapping) else None
+    parts = (f"{_what(verdict)}, {where}", chain, account)
+    return f"{'; '.join(part for part in parts if part)}."
 
 
 def avoidable_until(verdict: Verdict) -> float | None:

@@ -18,6 +18,8 @@ from tests.oracles.judging import on_lane
 
 STEP = 0.05
 LENGTH, WIDTH = 4.5, 1.8
+FAST = 40.0
+"""A speed limit that no ego of these tests reaches, m/s."""
 ROAD = straight_road()
 
 
@@ -34,7 +36,7 @@ def collision(
     ego: Motion | SyntheticEgo, *others: Motion | SyntheticActor, friction: float | None = 1.0
 ) -> Trace:
     """A run that ends with the ego's first contact; the trace goes no further."""
-    driver = on_lane(motion=ego) if isinstance(ego, Motion) else ego
+    driver = on_lane(motion=ego, speed_limit=FAST) if isinstance(ego, Motion) else ego
     actors = [
         other if isinstance(other, SyntheticActor) else SyntheticActor(motion=other, id=f"npc_{i}")
         for i, other in enumerate(others)

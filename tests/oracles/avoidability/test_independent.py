@@ -73,8 +73,45 @@ def avoids(trace: Trace, row: int, friction: float, fine: int = 10) -> bool:
             return False
         stood += STEP if speed <= 0.0 else 0.0
         if step >= contact.step and stood >= 2.0:
-            return True
+            return not comes_on(trace, ego_at(arc), way - heading, speed_then, slowing)
     return True
+
+
+def comes_on(trace: Trace, standing: Polygon, turn: float, speed: float, slowing: float) -> bool:
+    """Whether an oncoming vehicle, which goes straight on, sweeps over the place of an ego."""
+    if speed <= 0.1 or math.cos(turn) > math.cos(math.radians(115.0)):
+        return False
+    (contact,) = trace.contacts
+    actor = trace.actors[contact.other]
+    x, y, yaw = trace.states[-1, contact.other, :3].tolist()
+    far = 300.0 if slowing <= 0.0 else min(300.0, speed**2 / (2.0 * slowing))
+    begin, end = (
+        box(x + s * math.cos(yaw), y + s * math.sin(yaw), yaw, actor.length, actor.width)
+        for s in (0.0, far)
+    )
+    return bool(begin.union(end).convex_hull.intersection(standing).area > 1e-9)
+
+
+@pytest.mark.parametrize("friction", [0.45, 1.0])
+@settings(max_examples=6, deadline=None)
+@given(
+    speed=st.floats(4.0, 15.0),
+    against=st.floats(2.0, 15.0),
+    stood=st.floats(0.0, 6.0),
+    slowing=st.sampled_from((0.0, 0.0, 1.0, 4.0)),
+)
+def test_vehicles_that_come_head_on(
+    friction: float, speed: float, against: float, stood: float, slowing: float
+) -> None:
+    """The ego brakes gently to a stop, and stands when a vehicle in its lane reaches it."""
+    braking = 1.5
+    along = np.minimum(TIME, speed / braking)
+    ego = moving(speed * along - 0.5 * braking * along**2, 0.0, yaw=0.0)
+    place = 0.5 * speed**2 / braking + LENGTH
+    arrival = speed / braking + stood
+    late = np.clip(TIME - arrival + 1.0, 0.0, against / slowing if slowing else np.inf)
+    far = place + against * (arrival - TIME) + 0.5 * slowing * late**2
+    compare(ego, moving(far, 0.0, yaw=math.pi), friction)
 
 
 @pytest.mark.parametrize("friction", [0.45, 1.0])
