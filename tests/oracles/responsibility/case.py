@@ -31,11 +31,13 @@ class Ego:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Car:
-    """A vehicle that follows its way whatever happens."""
+    """A vehicle that follows its way whatever happens; most braking and cornering in m/s²."""
 
     drive: Drive
     name: str = "other"
     model: str = OTHER_MODEL
+    deceleration: float | None = None
+    lateral_acceleration: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,6 +152,10 @@ def _car(car: Car) -> dict[str, Any]:
     }
     if drive.start_time:
         entry["start_time"] = drive.start_time
+    if car.deceleration is not None:
+        entry["deceleration"] = car.deceleration
+    if car.lateral_acceleration is not None:
+        entry["lateral_acceleration"] = car.lateral_acceleration
     return entry
 
 
