@@ -155,6 +155,7 @@ class Episode:
             self._world,
             cast.bodies,
             lane_change_model=lane_change_model,
+            sublanes=sublanes,
             open_sumo=self._open_sumo,
             mirrored=mirrored,
             holding=(

@@ -81,6 +81,7 @@ class MovedActor:
         held: Whether SUMO holds it far behind its pose, where that makes no difference.
         off_lanes: Whether it is on no lane in SUMO for any pose: its stand-ins are instead.
         watched: Whether it is checked while it moves, too.
+        lifted: Whether it is on no lane for the next step, and then comes onto its lane anew.
     """
 
     row: int
@@ -94,6 +95,12 @@ class MovedActor:
     off_lanes: bool = False
     watched: bool = False
     held: bool = False
+    lifted: bool = False
+
+    @property
+    def is_on_lane(self) -> bool:
+        """Whether SUMO has it on the lane of its pose."""
+        return not (self.off_lanes or self.held or self.lifted)
 
     @property
     def keeps_to_route(self) -> bool:
@@ -349,6 +356,18 @@ class SumoWorld:
             actor.row, actor.id, actor.half_length, actor.width, False, False, retry_in=1
         )
 
+    def is_out_of_order(self, actor_id: str) -> bool:
+        """Returns whether a vehicle is at a wrong place in SUMO's list of its lane's vehicles."""
+        lane = libsumo.vehicle.getLaneID(actor_id)
+        ids = libsumo.lane.getLastStepVehicleIDs(lane) if lane else ()
+        if actor_id not in ids:
+            return False
+        places = [libsumo.vehicle.getLanePosition(one) for one in ids]
+        own = ids.index(actor_id)
+        return any(place > places[own] for place in places[:own]) or any(
+            place < places[own] for place in places[own + 1 :]
+        )
+
     def place(self, actors: Sequence[MovedActor], placements: Sequence[Sequence[float]]) -> None:
         """Puts moved actors at their poses for the next step.
 
@@ -370,8 +389,8 @@ class SumoWorld:
                 libsumo.vehicle.setSpeed(actor.id, _ITS_OWN_SPEED)
                 actor.held = False
                 moved = 1.0
-            if actor.off_lanes:
-                actor.stands = False
+            if actor.off_lanes or actor.lifted:
+                actor.stands = actor.lifted = False
                 actor.retry_in = _FREE_STEPS
                 move(actor.id, "", -1, x, y, angle, _ANYWHERE, _NO_REACH)
                 continue

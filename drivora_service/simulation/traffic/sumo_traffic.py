@@ -23,6 +23,7 @@ from drivora_service.simulation.plans.episode_plan import DrivenPlan
 from drivora_service.simulation.sumo import DrivenActor, MovedActor, SumoWorld
 from drivora_service.simulation.traffic.background_vehicles import BackgroundVehicles
 from drivora_service.simulation.traffic.holding import Holding
+from drivora_service.simulation.traffic.lane_order import LaneOrder
 from drivora_service.simulation.traffic.stand_ins import StandIns
 from drivora_service.simulation.traffic.sumo_patches import SumoPatches
 from drivora_service.simulation.world import World
@@ -68,6 +69,7 @@ class Traffic:
         bodies: Sequence[Body],
         *,
         lane_change_model: LaneChangeModel = "LC2013",
+        sublanes: bool = False,
         open_sumo: Callable[[], None],
         mirrored: bool,
         holding: Callable[[], Holding] | None = None,
@@ -81,6 +83,7 @@ class Traffic:
             world: The frames, which SUMO catches up with.
             bodies: Bodies of the rows that the service moves.
             lane_change_model: SUMO's lane-change model.
+            sublanes: Whether SUMO may not take a vehicle off its lanes; see ``StandIns``.
             open_sumo: Opens ``sumo`` and sets it up.
             mirrored: Whether SUMO never lags.
             holding: Makes what holds rows far from what SUMO drives; ``None``: all are placed.
@@ -93,6 +96,7 @@ class Traffic:
         self._mirrored = mirrored
         self._make_holding = holding
         self._patches = patches
+        self._order = None if sublanes else LaneOrder(sumo, world)
         self._holding: Holding | None = None
         self.driver = f"{_DRIVER}-{lane_change_model}"
         self._bodies: dict[int, Body] = {}
@@ -213,7 +217,7 @@ class Traffic:
         if self._holding is not None and self.driven and step:
             self._hold(self._holding, step)
         frame, present = self._world.states[step], self._world.present[step]
-        self._send_to_sumo(changes, frame, present)
+        self._send_to_sumo(step, changes)
         if time + 1e-9 >= self._next_start:
             self._start_driven(time)
         if self._background is not None and self._background.is_due(time):
@@ -242,9 +246,8 @@ class Traffic:
         """
         if self._reached < 0:
             self._open()
-        world = self._world
         for k in range(self._reached + 1, last + 1):
-            self._send_to_sumo(self._write_placements(k), world.states[k], world.present[k])
+            self._send_to_sumo(k, self._write_placements(k))
             self._sumo.step()
             self._reached = k
             while self._wrecks and self._wrecks[0][0] <= k:
@@ -278,10 +281,13 @@ class Traffic:
             world.states[k - 1], before, world.states[k], world.present[k], world.sizes, self.moved
         )
 
-    def _send_to_sumo(self, changes: int, frame: FloatArray, present: BoolArray) -> None:
-        """Has moved rows enter, leave, and be at their places in SUMO's next step."""
+    def _send_to_sumo(self, k: int, changes: int) -> None:
+        """Has moved rows enter, leave, and be at their places of a frame in SUMO's next step."""
+        frame, present = self._world.states[k], self._world.present[k]
         if changes:
             self._enter_and_leave(present)
+        if self._order is not None:
+            self._order.tend(k, self.moved.is_moved, self._moved)
         placements = self.moved.placements.tolist()
         self._stand_ins.tend(self._moved_list, placements, frame)
         self._sumo.place(self._moved_list, placements)
