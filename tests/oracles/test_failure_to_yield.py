@@ -64,19 +64,52 @@ def test_the_ego_with_the_right_of_way_passes() -> None:
     assert verdict.evidence["conflicts"] == 0
 
 
-@pytest.mark.parametrize(("braking", "outcome"), [(6.0, Outcome.VIOLATED), (2.0, Outcome.PASSED)])
-def test_making_another_brake_hard_is_a_failure(braking: float, outcome: Outcome) -> None:
-    fronts = meeting(3.0)
+def braking_for_the_ego(braking: float, begins: float) -> np.ndarray:
+    """The other's front: at 12 m/s it would meet the ego, and brakes to 4 m/s before."""
+    ego_arrives = (float(TOWN.lane(MINOR).arc[-1]) - 6.0) / 8.0
+    begins += ego_arrives
+    times = DT * np.arange(STEPS)
+    slowing = np.clip(times - begins, 0.0, 8.0 / braking)
+    speeds = 12.0 - braking * slowing
+    driven = np.concatenate(([0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * DT)))
+    return float(TOWN.lane(MAJOR[0]).arc[-1]) - 12.0 * (ego_arrives + 1.5) + driven
+
+
+def braked(fronts: np.ndarray) -> Motion:
+    """A vehicle that brakes, with the acceleration that its speeds show."""
     motion = along(way(TOWN, *MAJOR), fronts)
-    yaw = motion.states[:, Col.YAW]
-    enters = int(np.argmax(steady(8.0, STEPS) > TOWN.lane(MINOR).arc[-1]))
-    slows = slice(enters + 5, enters + 15)
-    motion.states[slows, Col.AX] = -braking * np.cos(yaw[slows])
-    motion.states[slows, Col.AY] = -braking * np.sin(yaw[slows])
+    for speed, acceleration in ((Col.VX, Col.AX), (Col.VY, Col.AY)):
+        motion.states[:, acceleration] = np.gradient(motion.states[:, speed], DT)
+    return motion
+
+
+@pytest.mark.parametrize(
+    ("braking", "begins", "outcome"),
+    [(6.0, 0.0, Outcome.VIOLATED), (2.0, -3.0, Outcome.PASSED)],
+)
+def test_making_another_brake_hard_is_a_failure(
+    braking: float, begins: float, outcome: Outcome
+) -> None:
+    motion = braked(braking_for_the_ego(braking, begins))
     (verdict,) = judge(steady(8.0, STEPS), SyntheticActor(motion=motion))
     assert verdict.outcome is outcome
     if outcome is Outcome.VIOLATED:
-        assert verdict.evidence["braking"] == pytest.approx(braking)
+        assert verdict.evidence["braking"] == pytest.approx(braking, abs=0.1)
+        assert verdict.evidence["encroachment"] > 1.0
+
+
+def test_braking_for_a_third_vehicle_is_none_of_the_egos() -> None:
+    fronts = braking_for_the_ego(6.0, 0.0)
+    ahead = SyntheticActor(motion=along(way(TOWN, *MAJOR), fronts + 15.0), id="ahead")
+    verdicts = judge(steady(8.0, STEPS), SyntheticActor(motion=braked(fronts), id="other"), ahead)
+    assert "other" not in {verdict.counterpart for verdict in verdicts}
+
+
+def test_braking_far_away_is_none_of_the_egos() -> None:
+    """The other brakes 60 m away: at its speed it would have come 5 s after the ego."""
+    motion = braked(braking_for_the_ego(6.0, 0.0) - 60.0)
+    (verdict,) = judge(steady(8.0, STEPS), SyntheticActor(motion=motion))
+    assert verdict.outcome is Outcome.PASSED
 
 
 def test_who_goes_first_at_an_all_way_stop_is_not_judged() -> None:

@@ -33,3 +33,8 @@ class Finding:
     def at_fault(self) -> bool | None:
         """Whether the ego is responsible; None where that is unknown."""
         return None if self.fault is Fault.UNKNOWN else self.fault is Fault.EGO
+
+
+def undetermined(rule: str, reason: str) -> Finding:
+    """Returns the finding of a rule that cannot tell which party is responsible."""
+    return Finding(rule=rule, fault=Fault.UNKNOWN, reason=reason)

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 from shapely import Point
 
-from drivora_service.oracles.responsibility.finding import Fault, Finding
+from drivora_service.geometry.angles import wrap_angle
+from drivora_service.observations.trace import Col
+from drivora_service.oracles.responsibility.finding import Finding, undetermined
+from drivora_service.oracles.responsibility.following_rules import one_behind_the_other
 from drivora_service.oracles.responsibility.impact import Face
 from drivora_service.oracles.responsibility.junctions import (
     Passage,
@@ -14,12 +19,23 @@ from drivora_service.oracles.responsibility.junctions import (
 )
 from drivora_service.oracles.responsibility.lane_areas import intrusion
 from drivora_service.oracles.responsibility.party import Party
-from drivora_service.oracles.responsibility.road_rules import one_behind_the_other
 from drivora_service.oracles.responsibility.scene import ALONG, ASTRAY, Scene
 
 _FIRST = 1.0
 """Seconds by which a party must arrive earlier to be first at an all-way stop: less than the time
 to react (1.15 s), in which neither could answer to the other."""
+
+_GROSS = 0.3
+"""Share of the limit from which on a vehicle is so fast that another cannot judge its approach."""
+
+_BEFORE = 3.0
+"""Seconds before the contact at which a turn through a junction has not begun."""
+
+_STRAIGHT = 0.25
+"""Radians between two directions up to which they are the same."""
+
+_TURNS = 0.5
+"""Radians between the begin and the end of a way through a junction from which on it turns."""
 
 
 def in_junction(scene: Scene) -> Finding | None:
@@ -63,7 +79,7 @@ def _blocked(scene: Scene) -> Finding | None:
             return Finding(
                 rule="standing",
                 fault=scene.fault_of(other),
-                reason=f"{scene.name(party)} stood in the junction, and there was time to brake",
+                reason=f"{scene.name(party)} stood in the junction long enough to keep clear of it",
             )
     return None
 
@@ -74,12 +90,40 @@ def _no_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
     if not lost:
         return None
     if len(lost) == 2:
-        return _unknown("own_way", "neither followed a way through the junction")
+        return undetermined("own_way", "neither followed a way through the junction")
+    turner = scene.opposite(lost[0])
+    if _turns_across(scene, turner, ways[turner], lost[0]):
+        return Finding(
+            rule="turning",
+            fault=scene.fault_of(turner),
+            reason=f"{scene.name(turner)} turned across the way of {scene.name(lost[0])}, which "
+            "was passing it",
+        )
     return Finding(
         rule="own_way",
         fault=scene.fault_of(lost[0]),
         reason=f"{scene.name(lost[0])} followed no way through the junction",
     )
+
+
+def _turns_across(scene: Scene, turner: Party, way: Passage, passing: Party) -> bool:
+    """Returns whether a party turns before another that keeps to the road beside it.
+
+    Before it turns, a driver makes sure that no other is about to pass (Vienna Convention,
+    article 14.1).
+    """
+    if way.movement is None:
+        return False
+    first, last = (scene.network.lanes[way.movement.lanes[end]] for end in (0, -1))
+    turn = last.position_at(float(last.arc[-1]))[2] - first.position_at(0.0)[2]
+    rows = round(_BEFORE / turner.step_length)
+    begun = [
+        float(party.states[max(party.count - rows, 0), Col.YAW]) for party in (turner, passing)
+    ]
+    same_way = abs(wrap_angle(begun[0] - begun[1])) < _STRAIGHT
+    # In the lane of the other direction it keeps to the road as well.
+    keeps = abs(math.sin(float(passing.turned(passing.yaw)[-1]))) < math.sin(_STRAIGHT)
+    return same_way and keeps and abs(wrap_angle(turn)) > _TURNS
 
 
 def _signals(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
@@ -93,7 +137,7 @@ def _signals(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
         return None
     red = [party for party, way in ways.items() if way.red]
     if len(red) == 2:
-        return _unknown("signals", "both came into the junction on red")
+        return undetermined("signals", "both came into the junction on red")
     if red:
         return Finding(
             rule="signals",
@@ -136,6 +180,12 @@ def _right_of_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
     other_yields = bool(set(other.movement.yields_to) & set(ego.movement.lanes))
     if ego_yields != other_yields:
         party = scene.ego if ego_yields else scene.other
+        first = scene.opposite(party)
+        if scene.too_fast_to_brake(first, ways[party].entered, _GROSS):
+            return undetermined(
+                "right_of_way",
+                f"{scene.name(party)} had to give way, but {scene.name(first)} drove far too fast",
+            )
         return Finding(
             rule="right_of_way",
             fault=scene.fault_of(party),
@@ -145,7 +195,7 @@ def _right_of_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
     # to come goes first.
     apart = (ego.entered - other.entered) * scene.trace.step_length
     if abs(apart) < _FIRST:
-        return _unknown("right_of_way", "both came at the same time, and each had to give way")
+        return undetermined("right_of_way", "both came at the same time, and each had to give way")
     later = scene.ego if apart > 0.0 else scene.other
     return Finding(
         rule="right_of_way",
@@ -167,7 +217,9 @@ def _left_its_way(scene: Scene, ways: dict[Party, Passage]) -> Finding:
             if way.area is not None and not way.area.intersects(Point(scene.impact.place))
         ]
     if len(left) != 1:
-        return _unknown("own_way", "the ways do not cross, and which party left its own is unknown")
+        return undetermined(
+            "own_way", "the ways do not cross, and which party left its own is unknown"
+        )
     return Finding(
         rule="own_way",
         fault=scene.fault_of(left[0]),
@@ -182,7 +234,3 @@ def _beyond(party: Party, way: Passage) -> float:
     return intrusion(
         box, party.yaw, party.actor.length, party.actor.width, box.difference(way.area), party.yaw
     )
-
-
-def _unknown(rule: str, reason: str) -> Finding:
-    return Finding(rule=rule, fault=Fault.UNKNOWN, reason=reason)

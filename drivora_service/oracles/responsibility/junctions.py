@@ -77,7 +77,7 @@ def passage(scene: Scene, party: Party, junction: str) -> Passage:
     if best is None or costs[best] > _FARTHEST:
         return Passage(movement=None, entered=party.step(first), red=None, link=None, area=None)
     movement = movements[best]
-    link = _link(scene, movement)
+    link = find_signal(scene, movement)
     return Passage(
         movement=movement,
         entered=party.step(first),
@@ -97,7 +97,8 @@ def signal_is_red(scene: Scene, link: tuple[str, int], step: int) -> bool:
     return 0 <= place < len(shown) and shown[place] in "ru"
 
 
-def _link(scene: Scene, movement: Movement) -> tuple[str, int] | None:
+def find_signal(scene: Scene, movement: Movement) -> tuple[str, int] | None:
+    """Returns the traffic light of a movement and its place there; None without one."""
     if movement.incoming < 0:
         return None
     for connection in scene.network.lanes[movement.incoming].connections:

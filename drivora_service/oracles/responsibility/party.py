@@ -9,10 +9,12 @@ import numpy as np
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from drivora_service.geometry import elementary
+from drivora_service.geometry.angles import wrap_angle
 from drivora_service.geometry.array_shapes import FloatArray, Int32Array
 from drivora_service.geometry.lines import arc_lengths
 from drivora_service.geometry.outlines import box_corners
-from drivora_service.networks.projection import project_points
+from drivora_service.networks.projection import LaneProjections, project_points
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.recorded_conditions import frictions_under
 from drivora_service.observations.trace import Actor, Col, Trace
@@ -110,13 +112,40 @@ class Party:
         return (self.count - 1 - last) * self.step_length
 
     @cached_property
+    def _projections(self) -> LaneProjections:
+        return project_points(self.network, self.states[:, [Col.X, Col.Y]], self.states[:, Col.YAW])
+
+    @cached_property
     def lanes(self) -> Int32Array:
         """(n,) index of its lane, of those in its direction if there are any."""
-        found = project_points(
-            self.network, self.states[:, [Col.X, Col.Y]], self.states[:, Col.YAW]
-        )
-        lanes: Int32Array = found.lane
+        lanes: Int32Array = self._projections.lane
         return lanes
+
+    def turned(self, heading: float) -> FloatArray:
+        """Returns (n,) radians from the direction of its lane to its heading.
+
+        Args:
+            heading: Direction that stands for that of its lane where it is on none, radians.
+        """
+        lane = np.where(self.lanes >= 0, self._projections.heading, heading)
+        turned: FloatArray = np.array(
+            [wrap_angle(float(turn)) for turn in self.states[:, Col.YAW] - lane]
+        )
+        return turned
+
+    def sideways(self, seconds: float, heading: float) -> float:
+        """Returns the metres that it went to its left across its lane's axis until the contact.
+
+        Args:
+            seconds: Time before the contact.
+            heading: See ``turned``.
+        """
+        rows = slice(max(self.count - round(seconds / self.step_length), 1), None)
+        driven = np.diff(self.travelled, prepend=0.0)
+        turned = self.turned(heading)
+        # In a lane of the other direction the axis is the same.
+        across = elementary.sin(turned) * np.sign(elementary.cos(turned))
+        return float((driven * across)[rows].sum())
 
     @cached_property
     def with_lane(self) -> tuple[bool, ...]:
@@ -144,19 +173,28 @@ class Party:
         """
         # Of an actor so narrow as a pedestrian half is enough.
         least = min(INTRUSION, 0.5 * self.actor.width)
+        if self._depth(self.count - 1, area, heading) < least:
+            return None
+        return self._since(least, area, heading)
+
+    def reach(self, area: BaseGeometry, heading: float) -> int:
+        """Returns the row from which on it reached into an area about as far as at the contact.
+
+        Of an actor that touches an area with its edge only, which ``entry`` takes for outside.
+        """
+        depth = self._depth(self.count - 1, area, heading)
+        return self._since(0.5 * depth, area, heading) if depth > 0.0 else self.count - 1
+
+    def _since(self, least: float, area: BaseGeometry, heading: float) -> int:
         # Backwards: what counts is the last time that it came in, not an earlier visit.
         for k in range(self.count - 1, -1, -1):
-            depth = intrusion(
-                self.boxes[k],
-                float(self.states[k, Col.YAW]),
-                self.actor.length,
-                self.actor.width,
-                area,
-                heading,
-            )
-            if depth < least:
-                return None if k == self.count - 1 else k + 1
+            if self._depth(k, area, heading) < least:
+                return k + 1
         return 0
+
+    def _depth(self, k: int, area: BaseGeometry, heading: float) -> float:
+        actor, yaw = self.actor, float(self.states[k, Col.YAW])
+        return intrusion(self.boxes[k], yaw, actor.length, actor.width, area, heading)
 
     def step(self, k: int) -> int:
         """Returns the row of the trace for a row of these arrays."""

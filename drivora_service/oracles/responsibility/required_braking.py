@@ -21,7 +21,14 @@ RAMP = 0.6
 """Seconds until the braking is full (UNECE R157, annex 3)."""
 
 
-def could_brake(one: Party, other: Party, step: int, reaction: float = REACTION) -> bool:
+def could_brake(
+    one: Party,
+    other: Party,
+    step: int,
+    reaction: float = REACTION,
+    deceleration: float = DECELERATION,
+    limit: float = math.inf,
+) -> bool:
     """Returns whether ``one``, which runs into ``other``, could have kept behind it by braking.
 
     Both are projected on the heading of ``one`` at the contact. The other moves as recorded,
@@ -35,6 +42,8 @@ def could_brake(one: Party, other: Party, step: int, reaction: float = REACTION)
         other: The party ahead of it.
         step: Row of the trace at which the risk could be perceived.
         reaction: Seconds from then to the first braking.
+        deceleration: m/s² of the full braking, where the road has the grip.
+        limit: m/s that ``one`` drives at most from ``step`` on.
     """
     begin = min(max(step - one.first, 0), one.count - 1)
     dt = one.step_length
@@ -47,16 +56,16 @@ def could_brake(one: Party, other: Party, step: int, reaction: float = REACTION)
     steps = np.diff(one.travelled)
     # The least grip counts on the whole way: no party is blamed for want of a braking that the road
     # might not have held.
-    full = min(DECELERATION, float(one.grip[begin:].min()))
+    full = min(deceleration, float(one.grip[begin:].min()))
     place, time = float(driven[begin]), 0.0
     speed = float(steps[min(begin, len(steps) - 1)]) / dt if len(steps) else 0.0
+    speed = min(speed, limit)
     k = begin
     while True:
         k, time = k + 1, time + dt
         if time <= reaction:
-            known = k < one.count
-            speed = float(steps[k - 1]) / dt if known else speed
-            place = float(driven[k]) if known else place + speed * dt
+            speed = min(float(steps[k - 1]) / dt, limit) if k < one.count else speed
+            place += speed * dt
         else:
             braking = full * min(1.0, (time - reaction) / RAMP)
             speed = max(0.0, speed - braking * dt)

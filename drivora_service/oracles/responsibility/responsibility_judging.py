@@ -6,17 +6,14 @@ from collections.abc import Callable
 
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.trace import Actor, Role, Trace
+from drivora_service.oracles.responsibility.beside_rules import side_by_side
 from drivora_service.oracles.responsibility.finding import Fault, Finding
+from drivora_service.oracles.responsibility.following_rules import one_behind_the_other
 from drivora_service.oracles.responsibility.impact import Face, Impact
 from drivora_service.oracles.responsibility.junction_rules import in_junction
 from drivora_service.oracles.responsibility.lane_areas import lane_areas
 from drivora_service.oracles.responsibility.party import Party
-from drivora_service.oracles.responsibility.road_rules import (
-    across,
-    one_behind_the_other,
-    opposite_directions,
-    side_by_side,
-)
+from drivora_service.oracles.responsibility.road_rules import across, opposite_directions
 from drivora_service.oracles.responsibility.scene import Scene
 from drivora_service.oracles.responsibility.walker_rules import walker
 

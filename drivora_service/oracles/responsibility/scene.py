@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from shapely.geometry.base import BaseGeometry
@@ -12,6 +13,11 @@ from drivora_service.observations.trace import Col, Role, Trace
 from drivora_service.oracles.responsibility.finding import Fault
 from drivora_service.oracles.responsibility.impact import Face, Impact
 from drivora_service.oracles.responsibility.lane_areas import LaneAreas, intrusion
+from drivora_service.oracles.responsibility.lane_chains import (
+    find_continuation,
+    find_origin,
+    reaches,
+)
 from drivora_service.oracles.responsibility.party import Party
 from drivora_service.oracles.responsibility.required_braking import could_brake
 
@@ -20,6 +26,9 @@ ALONG = 1.2
 
 AGAINST = 2.0
 """Radians from a lane's direction from which on an actor faces against it."""
+
+TOO_NEAR = "already too close when the recording started"
+"""Why it is undetermined which of two is responsible."""
 
 ASTRAY = 0.2
 """Metres beyond the lanes of its own direction from which on a vehicle has left them."""
@@ -84,6 +93,12 @@ class Scene:
         found = self.areas.drivable_at(self.impact.place)
         return tuple(lane for lane in found if not self.network.lanes[lane].is_internal)
 
+    def lane_chain(self) -> tuple[int, ...]:
+        """Returns ``road_lanes``, and before them the lanes by which the two came into these."""
+        lanes = self.road_lanes()
+        ways = (self.ego.lanes.tolist(), self.other.lanes.tolist())
+        return (*lanes, *sorted(find_origin(self.network, lanes, ways)))
+
     def astray(self, party: Party, k: int = -1) -> float:
         """Returns how far a party was in lanes of the other direction only, metres."""
         row = k % party.count
@@ -104,15 +119,44 @@ class Scene:
         return intrusion(party.boxes[row], yaw, party.actor.length, party.actor.width, area, yaw)
 
     def way(self, party: Party) -> BaseGeometry:
-        """Returns the area of the lanes that a party drove on, up to the contact."""
-        lanes = {int(lane) for lane in party.lanes if lane >= 0}
-        lanes |= {
+        """Returns the area of the lanes that a party drove on and goes on to, up to the other.
+
+        The other may be on the next edge, or inside the junction, already: those of its lanes that
+        continue the party's own lane belong to the way.
+        """
+        touched = {
             lane
             for lane in self.areas.drivable_at(self.impact.place)
             if self.areas.turn(lane, self.impact.place, party.yaw) < ALONG
         }
-        return self.areas.union(lanes)
+        driven = {int(lane) for lane in party.lanes if lane >= 0}
+        theirs = self.opposite(party).lanes.tolist()
+        onwards = find_continuation(self.network, {int(party.lanes[-1])} | touched, theirs)
+        # A party that reaches into another lane: the other may always have been there. If its own
+        # lane leads there, the ways merge, and the other came in where they do.
+        merge = reaches(self.network, driven, touched)
+        ways = (party.lanes.tolist(), theirs)
+        origin = frozenset() if merge else find_origin(self.network, touched, ways)
+        return self.areas.union(touched | driven | onwards | origin)
 
     def could_brake(self, party: Party, step: int) -> bool:
         """Returns whether a party could have kept clear by braking from a row on."""
         return could_brake(party, self.opposite(party), step)
+
+    def too_fast_to_brake(self, party: Party, step: int, excess: float) -> bool:
+        """Returns whether a party could have kept clear from a row on if it had not sped.
+
+        Args:
+            party: The party.
+            step: Row of the trace.
+            excess: Share of the limit by which it must have been faster.
+        """
+        k = min(max(step - party.first, 0), party.count - 1)
+        lane = int(party.lanes[k])
+        limit = self.network.lanes[lane].speed_limit if lane >= 0 else math.inf
+        speed = math.hypot(party.states[k, Col.VX], party.states[k, Col.VY])
+        if speed <= (1.0 + excess) * limit:
+            return False
+        return not self.could_brake(party, step) and could_brake(
+            party, self.opposite(party), step, limit=limit
+        )

@@ -6,7 +6,10 @@ from drivora_service.observations.trace import Role
 from drivora_service.oracles.responsibility.finding import Fault, Finding
 from drivora_service.oracles.responsibility.impact import Face
 from drivora_service.oracles.responsibility.junctions import signal_is_red
-from drivora_service.oracles.responsibility.scene import ASTRAY, Scene
+from drivora_service.oracles.responsibility.scene import ASTRAY, TOO_NEAR, Scene
+
+_EXCESS = 0.05
+"""Share of the limit up to which an ego does not count as speeding (as the oracle ``speeding``)."""
 
 
 def walker(scene: Scene) -> Finding | None:
@@ -33,10 +36,12 @@ def walker(scene: Scene) -> Finding | None:
                 Fault.EGO, f"the pedestrian had been in the road for {seconds:.1f} s"
             )
         if scene.other.from_beginning and step == 0:
-            return Finding(
-                rule="too_near",
-                fault=Fault.UNKNOWN,
-                reason="the record begins too late to tell: they were too near then",
+            return Finding(rule="too_near", fault=Fault.UNKNOWN, reason=TOO_NEAR)
+        if scene.too_fast_to_brake(scene.ego, step, _EXCESS):
+            return _make_finding(
+                Fault.EGO,
+                f"the pedestrian had been in the road for {seconds:.1f} s, time enough at the "
+                "speed limit",
             )
         return _make_finding(
             Fault.OTHER,

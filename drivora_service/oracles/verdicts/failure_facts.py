@@ -135,7 +135,7 @@ _ACCOUNTS = {
     Accountability.NOT_MEASURABLE: (
         "the fault of the ego; whether it was avoidable is not measurable"
     ),
-    Accountability.UNAVOIDABLE: "the fault of the ego, not avoidable",
+    Accountability.UNAVOIDABLE: "the fault of the ego, not avoidable once the danger showed",
     Accountability.UNDETERMINED: "fault undetermined",
     Accountability.NOT_JUDGED: "",
     Accountability.NOT_AT_FAULT: "not the fault of the ego",

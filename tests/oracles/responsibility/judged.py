@@ -29,7 +29,7 @@ def recorded(case: Case) -> Trace:
     return episode.finish()
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=512)
 def collisions(name: str) -> dict[str, Verdict]:
     """The collision verdict of every ego of a case, by the ego's id."""
     case = next(case for case in all_cases() if case.name == name)

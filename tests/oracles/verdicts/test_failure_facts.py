@@ -55,7 +55,7 @@ def test_a_collision_is_told_by_party_speed_manoeuvre_place_and_time() -> None:
 @pytest.mark.parametrize(
     ("changes", "ending"),
     [
-        ({"avoidable": Answer.NO}, "; the fault of the ego, not avoidable."),
+        ({"avoidable": Answer.NO}, "; the fault of the ego, not avoidable once the danger showed."),
         ({"avoidable": None}, "; the fault of the ego."),
         (
             {"avoidable": Answer.NOT_MEASURABLE},
