@@ -1,0 +1,27 @@
+"""All situations of right of way."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from tests.oracles.yielding import (
+    background,
+    distant_traffic,
+    equal_rank,
+    minor_roads,
+    roundabouts,
+    signals,
+    turns,
+    walkers,
+)
+from tests.oracles.yielding.situation import Situation
+
+
+@lru_cache(maxsize=1)
+def all_situations() -> tuple[Situation, ...]:
+    """In the order of their families."""
+    families = (
+        *(minor_roads, turns, roundabouts, signals, equal_rank),
+        *(walkers, distant_traffic, background),
+    )
+    return tuple(each for family in families for each in family.situations())
