@@ -17,9 +17,9 @@ from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.routes.route_meetings import Meeting
 from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import LEVEL_GAP, Col, EgoCol, Light, Role
 from drivora_service.oracles.blocked import STANDING_SPEED
-from drivora_service.oracles.stretches import stretches
 
 _SAMPLE_TIME = 0.5
 _WALKER_ROOM = 4.0

@@ -26,9 +26,9 @@ from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.projection import project_points
 from drivora_service.observations.recorded_conditions import road_frictions
 from drivora_service.observations.run_view import EgoView
+from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import EgoCol
 from drivora_service.oracles.blocked import STANDING_SPEED, waiting_at_signal
-from drivora_service.oracles.stretches import stretches
 
 SPACING = 1.0
 """Greatest distance between the places of the free drive, metres."""

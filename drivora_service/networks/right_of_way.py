@@ -19,6 +19,7 @@ class Movement:
         incoming: Lane before the junction, or -1.
         foes: Internal lanes (last of their movement) that cross or merge with this one.
         yields_to: Those of ``foes`` that have the right of way.
+        gives_way_on: Crossings of the junction whose walkers go first.
     """
 
     junction: str
@@ -26,6 +27,7 @@ class Movement:
     incoming: int
     foes: tuple[int, ...]
     yields_to: tuple[int, ...]
+    gives_way_on: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,11 +54,16 @@ def right_of_way(network: RoadNetwork) -> RightOfWay:
             if network.lanes[connection.to_lane].drivable:
                 into.setdefault(connection.to_lane, []).append(lane.index)
     ways = {lane.id: lane.index for lane in drivable}
+    crossings = {
+        lane.id: lane.index for lane in network.lanes if lane.walkable and not lane.drivable
+    }
     by_lane: dict[int, Movement] = {}
     for _, element in ElementTree.iterparse(network.path):
         if element.tag != "junction" or element.get("type") == "internal":
             continue
-        last = [ways.get(name, -1) for name in element.get("intLanes", "").split()]
+        names = element.get("intLanes", "").split()
+        last = [ways.get(name, -1) for name in names]
+        walked = [crossings.get(name, -1) for name in names]
         for request in element.findall("request"):
             link = int(request.get("index", "-1"))
             if not 0 <= link < len(last) or last[link] < 0:
@@ -70,6 +77,7 @@ def right_of_way(network: RoadNetwork) -> RightOfWay:
                 incoming=into.get(chain[0], [-1])[0],
                 foes=_decode_lanes(request.get("foes", ""), last),
                 yields_to=_decode_lanes(request.get("response", ""), last),
+                gives_way_on=_decode_lanes(request.get("response", ""), walked),
             )
             for index in chain:
                 by_lane[index] = movement

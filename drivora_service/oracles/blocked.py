@@ -9,8 +9,8 @@ import numpy as np
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.observations.recorded_signals import off_route, waiting_off_route
 from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import EgoCol, Light, TerminalEvent
-from drivora_service.oracles.stretches import stretches
 from drivora_service.oracles.verdict import (
     Severity,
     Verdict,

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.yielding import Conflict, vehicle_conflicts, walker_conflicts
+from drivora_service.observations.yielding.conflict import Conflict
+from drivora_service.observations.yielding.vehicle_conflicts import vehicle_conflicts
+from drivora_service.observations.yielding.walker_conflicts import walker_conflicts
 from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
+
+_ONE_ACT = 10.0
+"""Seconds within which what an ego does to the same other is one act."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -14,15 +20,16 @@ class FailureToYield:
     """Violated where the ego goes first although another has the right of way, and hinders it.
 
     At junctions that is a vehicle whose movement goes before the ego's by the network's own table,
-    where neither the ego has a protected green nor the other a red signal. On crossings it is a
-    walker with the right of way: on a marked crossing without a signal, or with a green one. The
-    other is hindered if the ego leaves a place less than the bound before the other is
-    there, if they touch, or if a vehicle must brake hard with no other before it. Which actor goes
-    first where each yields to the other, as at an all-way stop, is not judged.
+    where neither the ego has a protected green nor the other a red signal, or one on green that
+    crosses the way of an ego on red. On crossings it is a walker with the right of way by that
+    table, or with a green signal. The other is hindered if the ego leaves a place less than the
+    bound before the other is there, if they touch, or if a vehicle must brake hard because of the
+    ego (``yielding.hindrance``). Which actor goes first where each yields to the other, as at an
+    all-way stop, is not judged.
 
     Attributes:
         encroachment: Seconds between the ego's leaving a place and the other's being there.
-        braking: m/s² from which on another brakes hard.
+        braking: m/s² from which on another brakes hard, on average over 0.5 s.
         attention: Seconds after the ego's passage within which others count.
     """
 
@@ -55,9 +62,7 @@ class FailureToYield:
         if ego.count < 2:
             return [not_started(self.name, ego)]
         conflicts = self.find_conflicts(ego)
-        verdicts = [
-            self._make_violation(ego, conflict) for conflict in conflicts if self.hinders(conflict)
-        ]
+        verdicts = [self._make_violation(ego, conflict) for conflict in self._acts(ego, conflicts)]
         if verdicts:
             return verdicts
         nearest = min((conflict.lag for conflict in conflicts), default=None)
@@ -66,6 +71,23 @@ class FailureToYield:
             "least_encroachment": nearest if nearest is None or nearest < 1e3 else None,
         }
         return [passed(self.name, ego, "Hindered no actor with the right of way.", **facts)]
+
+    def _acts(self, ego: EgoView, conflicts: Sequence[Conflict]) -> list[Conflict]:
+        """Returns the conflicts in which the ego hindered the other, one for each act.
+
+        A junction may have several lines one after the other, and a ring has several junctions: the
+        same other is hindered once.
+        """
+        acts: dict[int, Conflict] = {}
+        found = []
+        for conflict in conflicts:
+            if not self.hinders(conflict):
+                continue
+            before = acts.get(conflict.other)
+            acts[conflict.other] = conflict
+            if before is None or (conflict.row - before.row) * ego.step_length > _ONE_ACT:
+                found.append(conflict)
+        return found
 
     def _make_violation(self, ego: EgoView, conflict: Conflict) -> Verdict:
         other_id = ego.trace.actors[conflict.other].id

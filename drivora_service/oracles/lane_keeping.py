@@ -10,8 +10,8 @@ from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import BoolArray
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import Col, EgoCol
-from drivora_service.oracles.stretches import stretches
 from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
 
 

@@ -11,9 +11,9 @@ from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.networks.stop_lines import stop_lines
 from drivora_service.observations.leaders import leaders
 from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import Col, EgoCol
 from drivora_service.oracles.blocked import waiting_at_signal
-from drivora_service.oracles.stretches import stretches
 from drivora_service.oracles.verdict import (
     Severity,
     Verdict,

@@ -11,8 +11,8 @@ from drivora_service.geometry.boxes import time_to_contact
 from drivora_service.observations.leaders import SAME_WAY
 from drivora_service.observations.proximity import gaps_between
 from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import LEVEL_GAP, Col
-from drivora_service.oracles.stretches import stretches
 from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.oracles.stretches import stretches
+from drivora_service.observations.stretches import stretches
 from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
 
 

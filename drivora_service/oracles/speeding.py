@@ -8,8 +8,8 @@ import numpy as np
 
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import EgoCol
-from drivora_service.oracles.stretches import stretches
 from drivora_service.oracles.verdict import (
     Severity,
     Verdict,

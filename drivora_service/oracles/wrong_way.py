@@ -9,8 +9,8 @@ import numpy as np
 from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import Col, EgoCol
-from drivora_service.oracles.stretches import stretches
 from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
 
 

@@ -23,8 +23,8 @@ from drivora_service.networks.stop_lines import stop_lines
 from drivora_service.observations.recorded_signals import signal_in_run
 from drivora_service.observations.route_signals import met_signals
 from drivora_service.observations.run_view import RunView
+from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import Light
-from drivora_service.oracles.stretches import stretches
 from drivora_service.oracles.verdicts.accountability import accountability
 from drivora_service.oracles.verdicts.violation_marks import marks_of, moments_of
 from drivora_service.store.runs.run_records import RunRecord

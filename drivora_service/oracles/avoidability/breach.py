@@ -20,7 +20,7 @@ from drivora_service.observations.leaders import SAME_WAY
 from drivora_service.observations.line_crossings import Crossing
 from drivora_service.observations.run_view import BorderCol, EgoView
 from drivora_service.observations.trace import Col, EgoCol, Light
-from drivora_service.observations.yielding import leaving_row
+from drivora_service.observations.yielding.vehicle_conflicts import leaving_row
 from drivora_service.oracles.failure_to_yield import FailureToYield
 from drivora_service.oracles.speeding import Speeding, overspeed
 from drivora_service.oracles.stop_sign import StopSign

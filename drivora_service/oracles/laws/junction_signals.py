@@ -15,7 +15,9 @@ from drivora_service.observations.line_crossings import Crossing
 from drivora_service.observations.recorded_signals import signal_shown
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Col, Light
-from drivora_service.observations.yielding import Conflict, vehicle_conflicts, walker_conflicts
+from drivora_service.observations.yielding.conflict import Conflict
+from drivora_service.observations.yielding.vehicle_conflicts import vehicle_conflicts
+from drivora_service.observations.yielding.walker_conflicts import walker_conflicts
 
 _ATTENTION = 4.0
 """Seconds after the ego's passage within which others count, as in ``failure_to_yield``."""

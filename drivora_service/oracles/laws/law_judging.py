@@ -11,11 +11,11 @@ import numpy as np
 
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.run_view import EgoView, RunView
+from drivora_service.observations.stretches import stretches
 from drivora_service.oracles.laws.formula import Formula
 from drivora_service.oracles.laws.law import Law
 from drivora_service.oracles.laws.law_signals import signal_values
 from drivora_service.oracles.laws.robustness import LEAST, MOST, Robustness
-from drivora_service.oracles.stretches import stretches
 from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
 
 MOST_POINTS = 60

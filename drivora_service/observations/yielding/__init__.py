@@ -1,0 +1,1 @@
+"""Conflicts of an ego with actors that have the right of way, and whom it hinders."""

@@ -1,0 +1,262 @@
+"""Whether another vehicle brakes because of an ego, or for reasons of its own way.
+
+Vehicles brake all the time: before bends and turns, for their own signals, behind others. SUMO's
+drivers brake at 4 m/s² and more about twice a vehicle-minute with no ego near. So a braking is the
+ego's doing only if three things hold: at its speed the vehicle would have come into the ego's way
+within a short time; no other actor ahead explains it; and it becomes slower than its own way asks.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drivora_service.geometry import elementary
+from drivora_service.geometry.array_shapes import BoolArray, FloatArray
+from drivora_service.observations.run_view import EgoView
+from drivora_service.observations.stretches import stretches
+from drivora_service.observations.trace import LEVEL_GAP, Col
+from drivora_service.observations.yielding.own_course import (
+    Course,
+    allowed_speeds,
+    follow_course,
+    lane_course,
+)
+
+_EASED = 1.0
+"""m/s² below which a vehicle does not brake: its braking begins after the last such row."""
+
+_WITHIN = 1.0
+"""Seconds between the ego's being at a place and the vehicle's being there, at its speed before it
+braked, up to which the two are in each other's way."""
+
+_FORESIGHT = 4.0
+"""Seconds after the begin of a braking within which the two must come into each other's way: a
+driver farther away has no need to brake yet (UN Regulation No. 152 tests emergency braking from 4 s
+before a meeting on)."""
+
+_EARLIER = 1.0
+"""Seconds before the ego is in the way in which a driver who sees it come may brake for it."""
+
+_MEASURED = 0.5
+"""Seconds over which braking is measured."""
+
+_UNSLOWED = 0.95
+"""Share of a vehicle's speed up to which its own way asks for no slowing."""
+
+_COMFORTABLE = 4.5
+"""m/s² beyond which no driver brakes without a reason (SUMO's default deceleration)."""
+
+_HEADWAY = 3.0
+"""Seconds ahead of a vehicle within which another actor is the reason for its braking."""
+
+_ALONE = 20.0
+"""The same in metres, at low speeds."""
+
+_BESIDE = 2.5
+"""Metres from a vehicle's path up to which an actor is ahead of it."""
+
+_SLOWER = (0.85, 1.0)
+"""Share of the speed that its way allows, and m/s below that, from which on a vehicle is slower
+than its way asks: drivers differ by a tenth or so (SUMO's ``speedFactor``)."""
+
+
+def hindered_braking(
+    ego: EgoView, other: int, first: int, last: int, lanes: frozenset[int]
+) -> float:
+    """Returns the hardest braking of a vehicle that the ego caused, m/s²; 0 if it caused none.
+
+    Args:
+        ego: The ego.
+        other: Row of the vehicle in the trace.
+        first: The ego's row from which on it may be in the way.
+        last: The ego's last row in which it may be.
+        lanes: Lanes inside the junction on which the vehicle goes before the ego.
+    """
+    trace = ego.trace
+    first = max(first - round(_EARLIER / ego.step_length), 0)
+    rows = slice(ego.first + first, ego.first + last + 1)
+    braking = _braking(trace.states[rows, other], trace.present[rows, other], ego.step_length)
+    # Each braking has its own reason: the hardest may be that for a bend behind the junction.
+    caused = 0.0
+    for begun, ended in stretches(braking >= _EASED):
+        worst = begun + int(np.argmax(braking[begun:ended]))
+        if braking[worst] > caused and _is_caused(
+            ego, other, ego.first + first + worst, (first, last), lanes
+        ):
+            caused = float(braking[worst])
+    return caused
+
+
+def _is_caused(
+    ego: EgoView, other: int, worst: int, passage: tuple[int, int], lanes: frozenset[int]
+) -> bool:
+    """Returns whether the ego caused a braking that is hardest in a row of the trace."""
+    trace = ego.trace
+    onset = _onset(ego, other, worst)
+    course = follow_course(ego, other, onset)
+    speed = math.hypot(*trace.states[onset, other, [Col.VX, Col.VY]])
+    straight = lane_course(ego, other, onset, lanes)
+    courses = (course,) if straight is None else (course, straight)
+    if not any(_would_meet(ego, other, each, onset, speed, passage) for each in courses):
+        return False
+    allowed = allowed_speeds(ego, course, onset, lanes)
+    return not _follows(ego, other, course, worst) and _is_too_slow(
+        ego, other, course, allowed, onset, worst
+    )
+
+
+def _braking(states: FloatArray, present: BoolArray, step: float) -> FloatArray:
+    """Returns (n,) m/s² of braking along the heading, 0 where a vehicle does not go forwards.
+
+    The mean over ``_MEASURED``: SUMO's drivers brake for a step, and let go for the next.
+
+    Args:
+        states: (n, 9) of the vehicle, columns ``Col``.
+        present: (n,) flags of the vehicle.
+        step: Seconds between two rows.
+    """
+    yaw = states[:, Col.YAW]
+    cos, sin = elementary.cos(yaw), elementary.sin(yaw)
+    along = states[:, Col.AX] * cos + states[:, Col.AY] * sin
+    speed = states[:, Col.VX] * cos + states[:, Col.VY] * sin
+    slowing = np.where(present & (speed > 0.0), -along, 0.0)
+    if not len(slowing):
+        return slowing
+    # A window longer than the record would lengthen the result.
+    count = min(_window(step), len(slowing))
+    braking: FloatArray = np.convolve(slowing, np.full(count, 1.0 / count), mode="same")
+    return np.where(present, np.maximum(braking, 0.0), 0.0)
+
+
+def _window(step: float) -> int:
+    """Returns the rows over which braking is measured."""
+    return max(round(_MEASURED / step), 1)
+
+
+def _onset(ego: EgoView, other: int, worst: int) -> int:
+    """Returns the row of the trace in which a braking began that is hardest in row ``worst``."""
+    trace = ego.trace
+    braking = _braking(
+        trace.states[: worst + 1, other], trace.present[: worst + 1, other], trace.step_length
+    )
+    eased = np.flatnonzero((braking < _EASED) | ~trace.present[: worst + 1, other])
+    begun = int(eased[-1]) if len(eased) else 0
+    return begun if trace.present[begun, other] else min(begun + 1, worst)
+
+
+def _would_meet(
+    ego: EgoView,
+    other: int,
+    course: Course,
+    onset: int,
+    speed: float,
+    passage: tuple[int, int],
+) -> bool:
+    """Returns whether a vehicle that keeps its speed is near the ego's place at about its time.
+
+    The two are compared as rows of circles along their middles: this is about tenths of seconds,
+    not about touching.
+    """
+    trace = ego.trace
+    begin, last = passage
+    margin = round(_WITHIN / ego.step_length)
+    own = ego.states[begin : last + 1]
+    times = np.arange(ego.first + begin - margin, ego.first + last + margin + 1)
+    arcs = speed * ego.step_length * (times - onset)
+    soon = times - onset <= round(_FORESIGHT / ego.step_length)
+    known = (arcs >= 0.0) & (arcs <= course.arc[-1]) & soon
+    if not known.any():
+        return False
+    x, y = np.interp(arcs, course.arc, course.x), np.interp(arcs, course.arc, course.y)
+    yaw = np.interp(arcs, course.arc, course.yaw)
+    ours = _discs(own[:, Col.X], own[:, Col.Y], own[:, Col.YAW], ego.actor.length, ego.actor.width)
+    actor = trace.actors[other]
+    theirs = _discs(x, y, yaw, actor.length, actor.width)
+    reach = 0.5 * (ego.actor.width + actor.width)
+    for k, row in enumerate(range(begin, last + 1)):
+        near = np.abs(times - (ego.first + row)) <= margin
+        chosen = theirs[near & known]
+        if not len(chosen):
+            continue
+        away = np.hypot(*(chosen[:, :, None, :] - ours[k][None, None, :, :]).T)
+        if float(away.min()) < reach:
+            return True
+    return False
+
+
+def _discs(
+    x: FloatArray, y: FloatArray, yaw: FloatArray, length: float, width: float
+) -> FloatArray:
+    """Returns (n, m, 2) centres of circles of a box's width along its middle."""
+    half = max(0.5 * (length - width), 0.0)
+    offsets = np.linspace(-half, half, max(2, math.ceil(length / width)))
+    cos, sin = elementary.cos(yaw)[:, None], elementary.sin(yaw)[:, None]
+    return np.stack((x[:, None] + offsets * cos, y[:, None] + offsets * sin), axis=-1)
+
+
+def _follows(ego: EgoView, other: int, course: Course, row: int) -> bool:
+    """Returns whether another actor than the ego is ahead on a vehicle's way in a row."""
+    trace = ego.trace
+    state = trace.states[row, other]
+    speed = math.hypot(state[Col.VX], state[Col.VY])
+    reach = max(_ALONE, _HEADWAY * speed)
+    arc = course.arc_at(state)
+    ahead = (course.arc > arc) & (course.arc <= arc + reach + _ALONE)
+    samples = np.linspace(arc, min(arc + reach, float(course.arc[-1])), 40)
+    if not ahead.any() or len(samples) < 2:
+        return False
+    way = np.column_stack(
+        (np.interp(samples, course.arc, course.x), np.interp(samples, course.arc, course.y))
+    )
+    for actor in trace.actors:
+        if actor.row in (ego.row, other) or not trace.present[row, actor.row]:
+            continue
+        theirs = trace.states[row, actor.row]
+        if abs(theirs[Col.Z] - state[Col.Z]) > LEVEL_GAP:
+            continue
+        away = np.hypot(*(way - theirs[[Col.X, Col.Y]]).T)
+        nearest = int(np.argmin(away))
+        # The first sample is the vehicle's own place: what is nearest to it is beside or behind.
+        if nearest > 0 and float(away[nearest]) < _BESIDE:
+            return True
+    return False
+
+
+def _is_too_slow(
+    ego: EgoView, other: int, course: Course, allowed: FloatArray, onset: int, worst: int
+) -> bool:
+    """Returns whether a vehicle becomes slower than its own way asks while it brakes.
+
+    Where its way asks for no slowing, it brakes harder than any driver does without a reason.
+
+    Args:
+        ego: The ego.
+        other: Row of the vehicle in the trace.
+        course: Its way.
+        allowed: (p,) m/s that its way allows at the places of its course.
+        onset: Row of the trace in which the braking begins.
+        worst: Row of the trace in which it brakes hardest.
+    """
+    trace = ego.trace
+    speed = math.hypot(*trace.states[onset, other, [Col.VX, Col.VY]])
+    asked = float(np.interp(course.arc_at(trace.states[worst, other]), course.arc, allowed))
+    before = slice(max(worst - _window(ego.step_length), 0), worst + _window(ego.step_length))
+    hardest = _braking(trace.states[before, other], trace.present[before, other], ego.step_length)
+    if asked >= _UNSLOWED * speed and float(hardest.max(initial=0.0)) > _COMFORTABLE:
+        return True
+    # Until it no longer brakes: a driver for whom the way is enough stops braking at its speed.
+    states, present = trace.states[worst:, other], trace.present[worst:, other]
+    braking = _braking(states, present, trace.step_length)
+    eased = np.flatnonzero((braking < _EASED) | ~present)
+    last = worst + (int(eased[0]) if len(eased) else len(states) - 1)
+    share, less = _SLOWER
+    for row in range(worst, last + 1):
+        state = trace.states[row, other]
+        if not trace.present[row, other]:
+            break
+        may = float(np.interp(course.arc_at(state), course.arc, allowed))
+        if math.hypot(state[Col.VX], state[Col.VY]) < share * may - less:
+            return True
+    return False
