@@ -82,7 +82,9 @@ class Collision:
     def _verdict(self, ego: EgoView, collision: FoundCollision) -> Verdict:
         k, other = collision.k, collision.other
         impact, found = collision.impact, collision.finding
-        replayed = assess(ego, k, other.row)
+        own = None if found.since is None or found.fault is not Fault.EGO else found.since
+        manoeuvre = None if own is None else own - ego.first
+        replayed = assess(ego, k, other.row, manoeuvre=manoeuvre)
         chain = replayed.evidence.get("chain")
         led_to = f" {chain[0].upper()}{chain[1:]}." if chain else ""
         return violated(

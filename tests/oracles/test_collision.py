@@ -65,7 +65,7 @@ def test_hitting_a_standing_vehicle_is_the_egos_fault() -> None:
     assert verdict.at_fault
     assert verdict.counterpart == "npc"
     assert verdict.evidence["face"] == "front"
-    assert verdict.evidence["reason"].startswith("the other stood")
+    assert verdict.evidence["reason"].startswith("the other had stood")
     assert verdict.evidence["rule"] == "standing"
     assert verdict.evidence["relative_speed"] == pytest.approx(10.0)
     assert verdict.step == 32

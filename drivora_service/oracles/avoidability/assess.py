@@ -57,7 +57,12 @@ class Avoidability:
 
 
 def assess(
-    ego: EgoView, k: int, counterpart: int, driver: CarefulDriver | None = None
+    ego: EgoView,
+    k: int,
+    counterpart: int,
+    driver: CarefulDriver | None = None,
+    *,
+    manoeuvre: int | None = None,
 ) -> Avoidability:
     """Assesses a collision by replay of the others' recorded motion.
 
@@ -66,6 +71,8 @@ def assess(
         k: Its row at the contact.
         counterpart: Row in the trace of the actor that it touched.
         driver: The careful driver; by default that of the regulation.
+        manoeuvre: The ego's row in which it came into the way of the other by a manoeuvre for which
+            it is responsible; None without one.
     """
     driver = driver or CarefulDriver()
     under = frictions_under(ego.trace, ego.actor, ego.first, ego.states[: k + 1])
@@ -99,20 +106,21 @@ def assess(
         )
 
     breach = find_own_breach(
-        ego, k, counterpart, start + perceived.row, in_time_at_limit=in_time_at_limit
+        ego,
+        k,
+        counterpart,
+        start + perceived.row,
+        in_time_at_limit=in_time_at_limit,
+        manoeuvre=manoeuvre,
     )
     # An ego in breach is assumed to know the risk from the start of the record on.
     since = perceived.row if breach is None else 0
     latest = careful_braking(replay, driver, grip, brakes)
-    # Of an ego on the wrong side no braking helps against what comes towards it; but the careful
-    # driver does not go there.
-    came_over = (
-        replay.oncoming > 0.0
-        and breach is not None
-        and breach.kind is Breach.OFF_ITS_SIDE
-        and breach.row > 0
-    )
-    avoidable = (latest >= since and latest >= 0) or came_over
+    # No braking helps an ego on the wrong side against what comes towards it, nor one that moved
+    # before another; but the careful driver does neither.
+    went_astray = breach is not None and breach.kind is Breach.OFF_ITS_SIDE and breach.row > 0
+    stayed = (manoeuvre is not None and manoeuvre > 0) or (went_astray and replay.oncoming > 0.0)
+    avoidable = (latest >= since and latest >= 0) or stayed
     physically = avoidable or _physically(
         ego, replay, max(since, 0) if breach is None else perceived.row, grip, brakes, model
     )

@@ -45,6 +45,8 @@ class Breach(StrEnum):
     """It had driven past a stop sign at the junction, or just before."""
     FAILURE_TO_YIELD = "failure_to_yield"
     """It went before the other, which had the right of way."""
+    MANOEUVRE = "manoeuvre"
+    """It came into the way of the other by a manoeuvre for which it is responsible."""
     TAILGATING = "tailgating"
     """It followed the other too closely when the risk became perceptible."""
     SPEEDING = "speeding"
@@ -56,6 +58,7 @@ BREACH_IN_WORDS = {
     Breach.OFF_ITS_SIDE: "left its side of the road",
     Breach.STOP_SIGN: "drove past a stop sign",
     Breach.FAILURE_TO_YIELD: "took the right of way",
+    Breach.MANOEUVRE: "came into the way of the other",
     Breach.TAILGATING: "began to follow too closely",
     Breach.SPEEDING: "began to drive too fast",
 }
@@ -82,6 +85,7 @@ def find_own_breach(
     perceived: int,
     *,
     in_time_at_limit: Callable[[], bool],
+    manoeuvre: int | None = None,
 ) -> OwnBreach | None:
     """Returns the ego's breach that led to a collision, the gravest first; None without one.
 
@@ -92,14 +96,21 @@ def find_own_breach(
         perceived: The ego's row from which on the risk was perceptible; ``k`` if it was not.
         in_time_at_limit: Returns whether the careful driver would have braked in time from there on
             if the ego had kept the speed limit.
+        manoeuvre: The ego's row in which it came into the way of the other by a manoeuvre for which
+            it is responsible; None without one.
     """
     # One after the other, as some of them take long to find.
-    candidates = _breaches(ego, k, counterpart, perceived, in_time_at_limit)
+    candidates = _breaches(ego, k, counterpart, perceived, in_time_at_limit, manoeuvre)
     return next(candidates, None)
 
 
 def _breaches(
-    ego: EgoView, k: int, counterpart: int, perceived: int, in_time_at_limit: Callable[[], bool]
+    ego: EgoView,
+    k: int,
+    counterpart: int,
+    perceived: int,
+    in_time_at_limit: Callable[[], bool],
+    manoeuvre: int | None,
 ) -> Iterator[OwnBreach]:
     if (row := _find_astray(ego, k)) is not None:
         yield OwnBreach(kind=Breach.OFF_ITS_SIDE, row=row)
@@ -109,6 +120,8 @@ def _breaches(
         yield OwnBreach(kind=Breach.STOP_SIGN, row=row)
     if (row := _find_right_of_way_taken(ego, k, counterpart)) is not None:
         yield OwnBreach(kind=Breach.FAILURE_TO_YIELD, row=row)
+    if manoeuvre is not None:
+        yield OwnBreach(kind=Breach.MANOEUVRE, row=max(manoeuvre, 0))
     if (row := _find_tailgating(ego, counterpart, perceived)) is not None:
         yield OwnBreach(kind=Breach.TAILGATING, row=row)
     if (row := _find_speeding(ego, perceived)) is not None and in_time_at_limit():

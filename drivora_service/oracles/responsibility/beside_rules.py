@@ -69,6 +69,7 @@ def side_by_side(scene: Scene) -> Finding:
         rule="side_by_side",
         fault=scene.fault_of(later),
         reason=f"{scene.name(later)} came into the lane of {scene.name(first)}",
+        since=max(entries[later], 0),
     )
 
 
@@ -86,6 +87,7 @@ def _beside_in_one_lane(scene: Scene) -> Finding:
             fault=scene.fault_of(moved[0]),
             reason=f"{scene.name(moved[0])} came over to {scene.name(scene.opposite(moved[0]))} "
             "in the lane",
+            since=max(scene.step - round(_MANOEUVRE / scene.trace.step_length), 0),
         )
     passing = [party for party in parties if _was_behind(scene, party)]
     if not moved and len(passing) == 1:

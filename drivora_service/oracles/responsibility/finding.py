@@ -23,11 +23,14 @@ class Finding:
         rule: Name of the rule in the table.
         fault: The responsible party.
         reason: Why, as part of a sentence.
+        since: Row of the trace in which the responsible party came into the way of the other by a
+            manoeuvre; None if it is not responsible for a manoeuvre.
     """
 
     rule: str
     fault: Fault
     reason: str
+    since: int | None = None
 
     @property
     def at_fault(self) -> bool | None:

@@ -55,6 +55,7 @@ def one_behind_the_other(scene: Scene) -> Finding | None:
             fault=scene.fault_of(ahead),
             reason=f"{scene.name(ahead)} had to give way, and came into the lane "
             f"{_seconds_since(scene, ahead.step(k)):.1f} s before",
+            since=ahead.step(k),
         )
     if could_brake(behind, ahead, ahead.step(k), 0.0 if is_known else REACTION):
         if not is_known and _braked_at_once(scene, ahead, k):
@@ -81,6 +82,7 @@ def one_behind_the_other(scene: Scene) -> Finding | None:
         fault=scene.fault_of(ahead),
         reason=f"{scene.name(ahead)} {came} {_seconds_since(scene, entry):.1f} s before, too late "
         "to brake for",
+        since=entry,
     )
 
 
@@ -133,6 +135,7 @@ def _cut_in_and_braked(scene: Scene, behind: Party, ahead: Party, k: int) -> Fin
         fault=scene.fault_of(ahead),
         reason=f"{scene.name(ahead)} came into the lane "
         f"{_seconds_since(scene, ahead.step(k)):.1f} s before, and braked",
+        since=ahead.step(k),
     )
 
 

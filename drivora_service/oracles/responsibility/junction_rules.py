@@ -98,11 +98,13 @@ def _no_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
             fault=scene.fault_of(turner),
             reason=f"{scene.name(turner)} turned across the way of {scene.name(lost[0])}, which "
             "was passing it",
+            since=ways[turner].entered,
         )
     return Finding(
         rule="own_way",
         fault=scene.fault_of(lost[0]),
         reason=f"{scene.name(lost[0])} followed no way through the junction",
+        since=ways[lost[0]].entered,
     )
 
 
@@ -190,6 +192,7 @@ def _right_of_way(scene: Scene, ways: dict[Party, Passage]) -> Finding | None:
             rule="right_of_way",
             fault=scene.fault_of(party),
             reason=f"{scene.name(party)} had to give way",
+            since=ways[party].entered,
         )
     # The table does not decide between them, as at an all-way stop, where each gives way: the first
     # to come goes first.
@@ -224,6 +227,7 @@ def _left_its_way(scene: Scene, ways: dict[Party, Passage]) -> Finding:
         rule="own_way",
         fault=scene.fault_of(left[0]),
         reason=f"{scene.name(left[0])} left its way through the junction",
+        since=ways[left[0]].entered,
     )
 
 

@@ -96,6 +96,7 @@ def across(scene: Scene) -> Finding | None:
         rule="across",
         fault=scene.fault_of(party),
         reason=f"{scene.name(party)} went across the lane of {scene.name(other)}",
+        since=entered,
     )
 
 

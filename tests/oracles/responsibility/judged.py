@@ -10,6 +10,7 @@ from drivora_service.observations.trace import Trace
 from drivora_service.oracles.collision import Collision
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.scenario.conversion import to_scenario
+from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.simulation.episode import Episode
 from drivora_service.simulation.planning import plan_episode
 from tests.oracles.responsibility.case import AT_FAULT, NOT_AT_FAULT, UNDETERMINED, Case
@@ -19,8 +20,13 @@ from tests.oracles.responsibility.ways import town
 
 def recorded(case: Case) -> Trace:
     """Runs a case to its end."""
-    network = town(case.town)
-    scenario = to_scenario(case.document(), network)
+    return record(case.document())
+
+
+def record(document: ScenarioDocument) -> Trace:
+    """Runs a scenario on a shipped network to its end."""
+    network = town(document.map_region.town)
+    scenario = to_scenario(document, network)
     catalogue = AgentCatalogue()
     team = [catalogue.create(ego.agent.name, ego.agent.parameters) for ego in scenario.ego_vehicles]
     episode = Episode(plan_episode(scenario, network), team)

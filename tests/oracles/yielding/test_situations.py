@@ -10,13 +10,10 @@ import pytest
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.observations.run_view import RunView
-from drivora_service.observations.trace import Trace
 from drivora_service.oracles.failure_to_yield import FailureToYield
 from drivora_service.oracles.verdict import Outcome
-from drivora_service.scenario.conversion import to_scenario
 from drivora_service.scenario.validation import validate_document
-from drivora_service.simulation.episode import Episode
-from drivora_service.simulation.planning import plan_episode
+from tests.oracles.responsibility.judged import record
 from tests.oracles.responsibility.ways import town
 from tests.oracles.yielding.families import all_situations
 from tests.oracles.yielding.known_answers import ANSWERS
@@ -25,22 +22,10 @@ from tests.oracles.yielding.situation import Situation
 SITUATIONS = all_situations()
 
 
-def recorded(situation: Situation) -> Trace:
-    """Runs a situation to its end."""
-    network = town(situation.case.town)
-    scenario = to_scenario(situation.document(), network)
-    catalogue = AgentCatalogue()
-    team = [catalogue.create(ego.agent.name, ego.agent.parameters) for ego in scenario.ego_vehicles]
-    episode = Episode(plan_episode(scenario, network), team)
-    while not episode.done:
-        episode.step()
-    return episode.finish()
-
-
 @pytest.mark.slow(seconds=1)
 @pytest.mark.parametrize("situation", SITUATIONS, ids=lambda situation: situation.name)
 def test_the_known_answer(situation: Situation) -> None:
-    run = RunView(recorded(situation), town(situation.case.town))
+    run = RunView(record(situation.document()), town(situation.case.town))
     verdicts = [v for v in FailureToYield().judge(run) if v.ego == run.egos[0].id]
     hindered = [v.counterpart for v in verdicts if v.outcome is Outcome.VIOLATED]
     assert sorted(hindered) == sorted(ANSWERS[situation.name].hindered)
