@@ -10,10 +10,10 @@ from drivora_service.observations.trace import Col
 from drivora_service.oracles.responsibility.beside_rules import came_over
 from drivora_service.oracles.responsibility.finding import Finding, undetermined
 from drivora_service.oracles.responsibility.impact import Face
-from drivora_service.oracles.responsibility.merging import took_right_of_way
 from drivora_service.oracles.responsibility.party import Party
 from drivora_service.oracles.responsibility.required_braking import REACTION, could_brake
 from drivora_service.oracles.responsibility.scene import ALONG, TOO_NEAR, Scene
+from drivora_service.oracles.responsibility.taken_priority import took_right_of_way
 
 _AT_LIBERTY = 4.0
 """Seconds after coming into a lane from which on a vehicle may brake as any other ahead: the one

@@ -59,9 +59,7 @@ def test_a_driver_keeps_behind_a_slow_vehicle_that_a_fast_one_passed_on_its_lane
     slow = along(50, 125, 2.0, "slow", "replay")
     fast = along(20, 130, 14.0, "fast", "replay")
     witness = ego(place("-north_2_0", 10), place("-north_2_0", 130))
-    trace = run(
-        scenario(witness, npc_vehicles=(slow, fast, driver(0.0)), seconds=20.0), standing()
-    )
+    trace = run(scenario(witness, npc_vehicles=(slow, fast, driver(0.0)), seconds=20.0), standing())
     gaps = np.hypot(*(track(trace, "slow") - track(trace, "driver")).T)
     assert np.nanmin(gaps) > 4.0
     assert closest(trace, "driver", "slow") > 0.3
