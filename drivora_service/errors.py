@@ -17,6 +17,7 @@ The tree::
     ├── CampaignError          a campaign cannot be started, resumed or compared
     ├── StoreError             the database or a trace file cannot be used
     │   ├── StoreUnavailable   the database cannot be used at the moment
+    │   ├── TraceDamaged       the trace file of a run is not the one that was recorded
     │   ├── Conflict           the request conflicts with the stored state
     │   ├── NothingStored      there is no database where one is to be read
     │   └── QueueFull          the queue has reached its limit
@@ -165,6 +166,19 @@ class StoreUnavailable(StoreError):
 
     The request has not been done and may be repeated unchanged.
     """
+
+
+class TraceDamaged(StoreError):
+    """The trace file of a run is not the one that was recorded, cannot be read, or is missing.
+
+    Attributes:
+        code: Short stable name: ``trace_differs``, ``trace_unreadable``, ``trace_missing``.
+        file: Path of the file.
+    """
+
+    def __init__(self, message: str, *, code: str = "trace_differs", file: str = "") -> None:
+        self.code, self.file = code, file
+        super().__init__(message)
 
 
 class Conflict(StoreError):

@@ -60,7 +60,7 @@ def open_stream(path: Path, part: TracePart) -> TableStream:
         StoreError: The file is missing, damaged or not a trace; also raised by the batches.
     """
     try:
-        file = pq.ParquetFile(path)
+        file = pq.ParquetFile(path, page_checksum_verification=True)
         header = read_header(file, path)
         egos = len(header["egos"])
         names = file.schema_arrow.names
