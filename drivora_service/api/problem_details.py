@@ -28,6 +28,7 @@ from drivora_service.errors import (
     QueueFull,
     StoreError,
     StoreUnavailable,
+    TraceDamaged,
     UnknownName,
 )
 
@@ -143,6 +144,17 @@ def _answer(request: Request, error: Exception) -> Response:
             return problem_response(HTTPStatus.NOT_FOUND, str(error), instance=path)
         case Conflict():
             return problem_response(HTTPStatus.CONFLICT, str(error), instance=path)
+        case TraceDamaged():
+            if context_of(request).is_service:
+                # A fault of the storage, not of the request: the log names the file's folder, too.
+                _log.error("trace_damaged", path=path, file=error.file, problem=error.code)
+            is_missing = error.code == "trace_missing"
+            return problem_response(
+                HTTPStatus.NOT_FOUND if is_missing else HTTPStatus.CONFLICT,
+                str(error),
+                instance=path,
+                problems=(Problem(pointer="", code=error.code, message=str(error)),),
+            )
         case NetworkTaken():
             code = "network_shipped" if error.is_shipped else "network_imported"
             problem = Problem(pointer="", code=code, message=str(error))

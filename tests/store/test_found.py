@@ -64,7 +64,7 @@ def campaign_id(database: Database) -> str:
     )
     append(database, other, evaluation(0, violated=(True,), avoidable=Answer.NO))
     with database.write() as transaction:
-        transaction.evaluations.confirm(campaign_id, 2, Confirmation.FLAKY, trace="")
+        transaction.evaluations.confirm(campaign_id, 2, Confirmation.FLAKY, trace="2.trace.parquet")
         batch = transaction.batches.create(name="b", priority=Priority.CI)
         runs = [new_run(str(n), agent=f"a{n % 2}", town="grid") for n in range(3)]
         transaction.jobs.submit(runs, batch_id=batch.id)
@@ -101,6 +101,7 @@ def test_failures_of_campaigns_and_runs_are_listed_the_last_found_first(
     assert of_other.accountability is Accountability.UNAVOIDABLE
     assert (flaky.campaign_id, flaky.evaluation, flaky.place) == (campaign_id, 2, 0)
     assert (flaky.kind, flaky.confirmation) == ("red_light|road a", Confirmation.FLAKY)
+    assert not flaky.is_recorded
     assert flaky.sentence == "Violated red_light, on road a of tee-town; not the fault of the ego."
     for failure in found:
         assert failure.verdict.oracle == failure.oracle

@@ -6,7 +6,6 @@ import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from http import HTTPStatus
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fastapi import Request, Response
@@ -19,6 +18,9 @@ from drivora_service.api.problem_details import ApiError
 from drivora_service.observations.trace_files.trace_rows import TraceRows
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from drivora_service.observations.trace_files.stored_trace import StoredTrace
     from drivora_service.observations.trace_files.table_stream import TableStream
 
 NDJSON = "application/x-ndjson"
@@ -67,15 +69,16 @@ class FramePart:
     columns: tuple[str, ...]
 
 
-def observations_answer(
-    request: Request, path: Path, trace_sha256: str, part: FramePart
-) -> Response:
+def observations_answer(request: Request, stored: StoredTrace, part: FramePart) -> Response:
     """Answers with the recorded frames of a run in the form that the client accepts.
+
+    The trace is checked before anything is sent.
 
     Raises:
         ApiError: The range is empty (422); or the client accepts none of the forms, of which a
             choice of columns or rows leaves Arrow (406).
         UnknownName: The trace has no such column.
+        TraceDamaged: The file is not the trace that was recorded.
     """
     steps = part.steps
     if steps.last is not None and steps.last < steps.first:
@@ -83,36 +86,49 @@ def observations_answer(
     has_choice = part.columns or part.rows is not TraceRows.ALL
     form = accepted_form(request, (ARROW,) if has_choice else _FORMS, _OTHER_NAMES)
     if form == ARROW:
-        return _arrow(request, path, trace_sha256, part)
+        return _arrow(request, stored, part)
     name = "parquet" if form == PARQUET else "ndjson"
-    etag = f"{trace_sha256}-{name}-{steps.first}-{'' if steps.last is None else steps.last}"
+    etag = f"{stored.sha256}-{name}-{steps.first}-{'' if steps.last is None else steps.last}"
     headers = cache_headers(etag)
     if is_known(request, etag):
         return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
+    from drivora_service.observations.trace_files.checked_trace import (
+        check_trace,
+        read_checked_trace,
+    )
+
     if form == NDJSON:
         from drivora_service.observations.scene_obs import ndjson
-        from drivora_service.observations.trace_files.trace_file import read_steps, read_trace
+        from drivora_service.observations.trace_files.trace_file import read_steps
 
-        trace = read_trace(path) if steps.is_whole else read_steps(path, steps.first, steps.stop)
+        if steps.is_whole:
+            trace = read_checked_trace(stored)
+        else:
+            check_trace(stored)
+            trace = read_steps(stored.path, steps.first, steps.stop)
         lines = ndjson(trace, steps.first, steps.stop)
         return StreamingResponse(_chunks(lines), media_type=NDJSON, headers=headers)
+    check_trace(stored)
+    path = stored.path
     headers["Content-Disposition"] = f'attachment; filename="{path.name}"'
     if steps.is_whole:
         return FileResponse(path, media_type=PARQUET, headers=headers)
     return Response(_parquet_range(path, steps), media_type=PARQUET, headers=headers)
 
 
-def _arrow(request: Request, path: Path, trace_sha256: str, part: FramePart) -> Response:
+def _arrow(request: Request, stored: StoredTrace, part: FramePart) -> Response:
+    from drivora_service.observations.trace_files.checked_trace import check_trace
     from drivora_service.observations.trace_files.trace_stream import TracePart, open_stream
 
     columns = ",".join(sorted(set(part.columns)))
-    etag = digest(f"{trace_sha256} {part.steps} {part.rows} {columns}".encode())
+    etag = digest(f"{stored.sha256} {part.steps} {part.rows} {columns}".encode())
 
     def open_part() -> TableStream:
         wanted = TracePart(
             first=part.steps.first, stop=part.steps.stop, rows=part.rows, columns=part.columns
         )
-        return open_stream(path, wanted)
+        check_trace(stored)
+        return open_stream(stored.path, wanted)
 
     return arrow_answer(request, open_part, etag=etag)
 

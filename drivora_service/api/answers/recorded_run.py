@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from drivora_service.api.answers.run_lookup import find_document, find_run
 from drivora_service.api.context import ApiContext
 from drivora_service.campaigns.search.confirmation import trace_name
 from drivora_service.errors import Conflict, UnknownName
-from drivora_service.store.campaigns.evaluation_runs import evaluation_of_run
+from drivora_service.observations.trace_files.stored_trace import StoredTrace, make_missing_error
+from drivora_service.store.campaigns.evaluation_runs import EvaluationId, evaluation_of_run
 from drivora_service.store.runs.run_records import RunRecord
 
 if TYPE_CHECKING:
@@ -24,11 +24,11 @@ class RecordedRun:
 
     Attributes:
         record: The run.
-        path: Its trace file.
+        trace: Its trace file.
     """
 
     record: RunRecord
-    path: Path
+    trace: StoredTrace
 
     @property
     def state(self) -> str:
@@ -43,22 +43,52 @@ def find_recorded_run(context: ApiContext, run_id: str) -> RecordedRun:
 
     Raises:
         UnknownName: There is no such run, or it recorded nothing, or its trace was removed.
+        TraceDamaged: It recorded a trace, whose file is missing.
     """
     evaluation = evaluation_of_run(run_id)
     with context.database.read() as transaction:
         record = find_run(transaction, run_id)
-    path = context.trace_path(record.id)
-    if record.trace_sha256 and path.is_file():
-        return RecordedRun(record=record, path=path)
-    if evaluation is not None and record.trace_sha256:
-        folder = context.campaign_folder(evaluation.campaign_id)
-        path = folder.trace(trace_name(evaluation.number))
-        if path.is_file():
-            return RecordedRun(record=record, path=path)
-    hint = f"the run is {record.status.value}"
+    if not record.trace_sha256:
+        hint = f"the run is {record.status.value}"
+        if evaluation is not None:
+            hint += "; of the runs of a campaign, failures that were confirmed have a recording"
+        raise UnknownName("trace", run_id, (), hint)
+    stored = StoredTrace(
+        run_id=record.id, path=context.trace_path(record.id), sha256=record.trace_sha256
+    )
+    if stored.path.is_file():
+        return RecordedRun(record=record, trace=stored)
     if evaluation is not None:
-        hint += "; of the runs of a campaign, failures that were confirmed have a recording"
-    raise UnknownName("trace", run_id, (), hint)
+        folder = context.campaign_folder(evaluation.campaign_id)
+        stored = replace(stored, path=folder.trace(trace_name(evaluation.number)))
+        if stored.path.is_file():
+            return RecordedRun(record=record, trace=stored)
+    raise make_missing_error(stored)
+
+
+def find_recorded_evaluation(context: ApiContext, evaluation: EvaluationId) -> RecordedRun:
+    """Returns the run of an evaluation, with the recording of its second, identical run.
+
+    The second run of a flaky failure drove otherwise: its recording is not the evaluation's.
+
+    Raises:
+        UnknownName: There is no such evaluation, or no second run confirmed its failure.
+        TraceDamaged: It recorded a trace, whose file is missing.
+    """
+    number = evaluation.number
+    with context.database.read() as transaction:
+        record = transaction.campaign_views.run(evaluation)
+    if not record.trace_sha256:
+        hint = "only failures that an identical second run confirmed have one"
+        raise UnknownName("trace of evaluation", str(number), (), hint)
+    stored = StoredTrace(
+        run_id=record.id,
+        path=context.campaign_folder(evaluation.campaign_id).trace(trace_name(number)),
+        sha256=record.trace_sha256,
+    )
+    if not stored.path.is_file():
+        raise make_missing_error(stored)
+    return RecordedRun(record=record, trace=stored)
 
 
 def view_of(context: ApiContext, run: RecordedRun) -> RunView:
@@ -67,12 +97,12 @@ def view_of(context: ApiContext, run: RecordedRun) -> RunView:
     Raises:
         Conflict: Its road network has changed since.
         UnknownName: Its road network is not in the catalogue.
-        StoreError: Its trace is damaged.
+        TraceDamaged: The file is not the trace that was recorded.
     """
     from drivora_service.observations.run_view import RunView
-    from drivora_service.observations.trace_files.trace_file import read_trace
+    from drivora_service.observations.trace_files.checked_trace import read_checked_trace
 
-    trace = read_trace(run.path)
+    trace = read_checked_trace(run.trace)
     network = context.networks.get(trace.network)
     if network.sha256 != trace.network_sha256:
         raise Conflict(

@@ -24,6 +24,7 @@ from drivora_service.oracles.verdicts.verdict_json import verdict_to_json
 
 if TYPE_CHECKING:
     from drivora_service.networks.road_network import RoadNetwork
+    from drivora_service.observations.trace_files.stored_trace import StoredTrace
 
 SVG = "image/svg+xml"
 
@@ -60,7 +61,7 @@ class Pictures:
     async def strip(
         self,
         name: str,
-        path: Path,
+        stored: StoredTrace,
         network: RoadNetwork,
         verdicts: Sequence[Verdict],
         *,
@@ -70,14 +71,14 @@ class Pictures:
 
         Args:
             name: Stands for the picture's content; equal requests wait for one drawing.
-            path: Trace of the run.
+            stored: Trace of the run.
             network: Its road network.
             verdicts: Its verdicts; the gravest violation determines the moments.
             moments: Number of moments.
 
         Raises:
             ApiError: Too many pictures wait to be drawn.
-            StoreError: The trace cannot be read.
+            TraceDamaged: The file is not the trace that was recorded.
         """
         if name in self._kept:
             self._kept.move_to_end(name)
@@ -91,7 +92,7 @@ class Pictures:
                     headers={"Retry-After": "2"},
                 )
             drawn = self._waiting[name] = asyncio.get_running_loop().run_in_executor(
-                self._drawer, _draw, path, network, verdicts, moments
+                self._drawer, _draw, stored, network, verdicts, moments
             )
             drawn.add_done_callback(partial(self._keep_picture, name))
         # The client may go: others wait for the same, and it is kept.
@@ -112,9 +113,8 @@ class Pictures:
 async def picture_answer(
     request: Request,
     context: ApiContext,
-    path: Path,
+    stored: StoredTrace,
     *,
-    trace_sha256: str,
     town: str,
     verdicts: Sequence[Verdict],
     moments: int,
@@ -124,34 +124,36 @@ async def picture_answer(
     Args:
         request: The request.
         context: The application's context.
-        path: Trace of the run.
-        trace_sha256: Its hash.
+        stored: Trace of the run.
         town: Name of its road network.
         verdicts: Its verdicts.
         moments: Number of moments.
 
     Raises:
         UnknownName: The road network is not in the catalogue any more.
+        TraceDamaged: The file is not the trace that was recorded.
     """
     network = await asyncio.to_thread(context.networks.get, town)
     # Equal recordings may have been judged by different oracles, and drawn by another version.
     judged = digest("".join(verdict_to_json(one) for one in verdicts).encode())
-    parts = (trace_sha256[:32], network.sha256[:16], judged[:16], version("drivora"), str(moments))
-    etag = "-".join(parts)
+    parts = (stored.sha256[:32], network.sha256[:16], judged[:16], version("drivora"))
+    etag = "-".join((*parts, str(moments)))
     _, headers = negotiate_coding(request, etag)
     if is_known(request, headers["ETag"].strip('"')):
         return Response(status_code=304, headers=headers)
     pictures: Pictures = request.app.state.pictures
-    picture = await pictures.strip(etag, path, network, verdicts, moments=moments)
+    picture = await pictures.strip(etag, stored, network, verdicts, moments=moments)
     return compressed_answer(request, lambda: picture, media_type=SVG, etag=etag)
 
 
-def _draw(path: Path, network: RoadNetwork, verdicts: Sequence[Verdict], moments: int) -> bytes:
+def _draw(
+    stored: StoredTrace, network: RoadNetwork, verdicts: Sequence[Verdict], moments: int
+) -> bytes:
     # Imported here: it takes half a second, and many services never draw.
-    from drivora_service.observations.trace_files.trace_file import read_trace
+    from drivora_service.observations.trace_files.checked_trace import read_checked_trace
     from drivora_service.plotting.strip import draw_strip
 
     with TemporaryDirectory() as folder:
         target = Path(folder) / "run.svg"
-        draw_strip(read_trace(path), network, verdicts, target, count=moments)
+        draw_strip(read_checked_trace(stored), network, verdicts, target, count=moments)
         return target.read_bytes()

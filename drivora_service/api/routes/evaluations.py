@@ -10,6 +10,7 @@ from fastapi import Depends, Path, Query, Request, Response
 
 from drivora_service.api.answers.query_parameters import Frames, Limit, PageToken
 from drivora_service.api.answers.recorded_frames import observations_answer
+from drivora_service.api.answers.recorded_run import find_recorded_evaluation
 from drivora_service.api.answers.run_pictures import Moments, picture_answer
 from drivora_service.api.answers.table_answer import Columns, table_answer
 from drivora_service.api.context import Context
@@ -41,10 +42,10 @@ from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaigns.campaign_records import (
     Confirmation,
     EvaluationFilter,
-    EvaluationRecord,
     EvaluationSummary,
     FailureFilter,
 )
+from drivora_service.store.campaigns.evaluation_runs import EvaluationId
 from drivora_service.store.runs.run_records import Page
 from drivora_service.studies.table_names import CampaignTableName
 
@@ -111,6 +112,9 @@ def get_evaluation(
         record = transaction.evaluations.get(campaign_id, number)
         summary = transaction.campaign_views.evaluation(campaign_id, number)
         lineage = transaction.campaign_views.ancestors(campaign_id, number, most=_MOST_ANCESTORS)
+        is_recorded = bool(
+            transaction.campaign_views.run(EvaluationId(campaign_id, number)).trace_sha256
+        )
         run_url = _run_url(transaction, record.report.run_id)
     trace = context.campaign_folder(campaign_id).trace(trace_name(number))
     detail = evaluation_of(
@@ -120,7 +124,7 @@ def get_evaluation(
         context.gene_spaces.of(campaign, record.seed_number),
         f"{PREFIX}/campaigns/{campaign_id}/evaluations/{number}",
         run_url=run_url,
-        has_trace=trace.is_file(),
+        has_trace=is_recorded and trace.is_file(),
     )
     return json_answer(request, Evaluation, detail)
 
@@ -141,7 +145,9 @@ def get_scenario(request: Request, context: Context, campaign_id: str, number: N
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations/{number}/observations",
     response_class=Response,
-    responses=observations_answers(recorded_examples.EVALUATION_FRAME, 401, 403, 404, 406, 422),
+    responses=observations_answers(
+        recorded_examples.EVALUATION_FRAME, 401, 403, 404, 406, 409, 422
+    ),
 )
 def get_observations(
     request: Request,
@@ -151,18 +157,14 @@ def get_observations(
     part: Frames,
 ) -> Response:
     """Returns the recording of the second, identical run of a failing candidate."""
-    with context.database.read() as transaction:
-        record = transaction.evaluations.get(campaign_id, number)
-    path = context.campaign_folder(campaign_id).trace(trace_name(number))
-    if not path.is_file():
-        raise _no_trace(number)
-    return observations_answer(request, path, record.report.trace_sha256, part)
+    run = find_recorded_evaluation(context, EvaluationId(campaign_id, number))
+    return observations_answer(request, run.trace, part)
 
 
 @router.get(
     "/campaigns/{campaign_id:id}/evaluations/{number}/picture",
     response_class=Response,
-    responses=picture_answers(recorded_examples.PICTURE, 401, 403, 404, 422, 503),
+    responses=picture_answers(recorded_examples.PICTURE, 401, 403, 404, 409, 422, 503),
 )
 async def get_picture(
     request: Request,
@@ -172,24 +174,14 @@ async def get_picture(
     moments: Moments = 5,
 ) -> Response:
     """Returns a strip of moments of the second, identical run of a failing candidate, as SVG."""
-
-    def read_record() -> tuple[EvaluationRecord, str]:
-        with context.database.read() as transaction:
-            record = transaction.evaluations.get(campaign_id, number)
-            document = transaction.evaluations.document(campaign_id, number)
-        return record, from_canonical(document).map_region.town
-
-    record, town = await asyncio.to_thread(read_record)
-    path = context.campaign_folder(campaign_id).trace(trace_name(number))
-    if not path.is_file():
-        raise _no_trace(number)
+    evaluation = EvaluationId(campaign_id, number)
+    run = await asyncio.to_thread(find_recorded_evaluation, context, evaluation)
     return await picture_answer(
         request,
         context,
-        path,
-        trace_sha256=record.report.trace_sha256,
-        town=town,
-        verdicts=record.report.verdicts,
+        run.trace,
+        town=run.record.town,
+        verdicts=run.record.verdicts,
         moments=moments,
     )
 
@@ -258,12 +250,6 @@ def get_table(
         return campaign_table(context.database, campaign_id, table, after=after)
 
     return table_answer(request, table, open_table, columns, owner=campaign.name)
-
-
-def _no_trace(number: int) -> UnknownName:
-    return UnknownName(
-        "trace of evaluation", str(number), (), "only failures that were run again have one"
-    )
 
 
 def _run_url(transaction: Transaction, run_id: str) -> str:

@@ -107,7 +107,7 @@ def get_scenario(request: Request, context: Context, run_id: str) -> Response:
 @router.get(
     "/runs/{run_id:id}/observations",
     response_class=Response,
-    responses=observations_answers(recorded_examples.FRAME, 401, 403, 404, 406, 422),
+    responses=observations_answers(recorded_examples.FRAME, 401, 403, 404, 406, 409, 422),
 )
 def get_observations(
     request: Request,
@@ -117,13 +117,13 @@ def get_observations(
 ) -> Response:
     """Returns the recording of a run: frames in the published shape, Parquet or Arrow."""
     run = find_recorded_run(context, run_id)
-    return observations_answer(request, run.path, run.record.trace_sha256, part)
+    return observations_answer(request, run.trace, part)
 
 
 @router.get(
     "/runs/{run_id:id}/picture",
     response_class=Response,
-    responses=picture_answers(recorded_examples.PICTURE, 401, 403, 404, 422, 503),
+    responses=picture_answers(recorded_examples.PICTURE, 401, 403, 404, 409, 422, 503),
 )
 async def get_picture(
     request: Request, context: Context, run_id: str, moments: Moments = 5
@@ -133,8 +133,7 @@ async def get_picture(
     return await picture_answer(
         request,
         context,
-        run.path,
-        trace_sha256=run.record.trace_sha256,
+        run.trace,
         town=run.record.town,
         verdicts=run.record.verdicts,
         moments=moments,

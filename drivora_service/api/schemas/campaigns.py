@@ -19,6 +19,7 @@ from drivora_service.shapes import combine
 from drivora_service.store.campaigns import campaign_records
 from drivora_service.store.campaigns.campaign_records import (
     CampaignRecord,
+    Confirmation,
     EvaluationRecord,
     EvaluationSummary,
     FailureKind,
@@ -118,7 +119,8 @@ class Evaluation(EvaluationSummary):
         search_s: Processor seconds that the tester took for it.
         prepare_s: Processor seconds that repairing and checking it took.
         scenario_url: Address of its scenario; empty if it is no valid one.
-        observations_url: Address of the recording of its second run; empty unless it failed.
+        observations_url: Address of the recording of its second, identical run; empty unless it
+            failed and was confirmed.
         run_url: Address of its run; empty unless the service made it and still has it.
     """
 
@@ -153,7 +155,8 @@ class Failure(campaign_records.Failure):
 
     Attributes:
         scenario_url: Address of the scenario.
-        observations_url: Address of the recording of the identical run; empty until then.
+        observations_url: Address of the recording of the identical run; empty until then, and if
+            the second run was not identical.
     """
 
     scenario_url: str
@@ -230,11 +233,13 @@ def evaluation_of(
 def failure_of(failure: campaign_records.Failure, url: str) -> Failure:
     """Returns a failure with its addresses; ``url`` is that of its campaign."""
     evaluation = f"{url}/evaluations/{failure.evaluation}"
+    # The recording of a flaky failure is of a second run that drove otherwise.
+    is_recorded = failure.trace and failure.confirmation is Confirmation.CONFIRMED
     return combine(
         Failure,
         failure,
         scenario_url=f"{evaluation}/scenario",
-        observations_url=f"{evaluation}/observations" if failure.trace else "",
+        observations_url=f"{evaluation}/observations" if is_recorded else "",
     )
 
 

@@ -91,10 +91,13 @@ def find_recorded(session: Session, seqs: Iterable[int | None]) -> set[int]:
         select(FoundRow.seq)
         .outerjoin(FailureRow, _OF_FAILURE)
         .outerjoin(RunRow, RunRow.seq == FoundRow.run_seq)
-        .where((FailureRow.trace != "") | (RunRow.trace_sha256 != ""), FoundRow.seq.in_(known))
+        .where(_HAS_IDENTICAL_RUN | (RunRow.trace_sha256 != ""), FoundRow.seq.in_(known))
     )
     return set(session.scalars(query))
 
+
+_HAS_IDENTICAL_RUN = (FailureRow.trace != "") & (FailureRow.confirmation == Confirmation.CONFIRMED)
+"""The trace of a flaky failure is of a second run that drove otherwise."""
 
 _OF_FAILURE = (
     (FailureRow.campaign_seq == FoundRow.campaign_seq)
@@ -122,7 +125,7 @@ def _detail_query() -> Select[*tuple[Any, ...]]:
             CampaignRow.id.label("campaign_id"),
             FailureRow.kind,
             FailureRow.verdict,
-            FailureRow.trace,
+            _HAS_IDENTICAL_RUN.label("has_identical_run"),
             RunRow.trace_sha256,
             batch_id.label("batch_id"),
             RunRow.id.label("run_id"),
@@ -162,7 +165,7 @@ def _failure(row: Row[*tuple[Any, ...]]) -> FoundFailure:
         confirmation=Confirmation(row.confirmation) if row.confirmation else None,
         batch_id=row.batch_id or "",
         run_id=run_id,
-        is_recorded=bool(row.trace or row.trace_sha256),
+        is_recorded=bool(row.has_identical_run or row.trace_sha256),
         avoidable_until=avoidable_until(verdict),
         sentence=failure_sentence(verdict, town=row.town, kind=kind),
         verdict=verdict,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import math
 import os
 import shutil
 import tempfile
@@ -73,9 +74,10 @@ class Storage:
             OSError: The storage does not answer.
         """
         try:
-            version = repr(sorted(self._system.info(self._place(name)).items(), key=str))
+            info = self._system.info(self._place(name))
         except FileNotFoundError:
-            return self._copies / "none.parquet"
+            return self._copies / "none" / name.rpartition("/")[2]
+        version = repr(sorted(info.items(), key=str))
         digest = hashlib.sha256(f"{name} {version}".encode()).hexdigest()
         # It ends with the name of the file, which clients see.
         path = self._copies / digest[:32] / name.rpartition("/")[2]
@@ -87,6 +89,10 @@ class Storage:
         os.close(handle)
         try:
             self._system.get_file(self._place(name), part)
+            written = _seconds(info)
+            if math.isfinite(written):
+                # Messages on a damaged trace say when it was written, not when it was copied.
+                os.utime(part, (written, written))
             Path(part).replace(path)
         except FileNotFoundError:
             return path

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,9 @@ import pytest
 from drivora_service.api.answers.recorded_frames import PARQUET
 from drivora_service.api.answers.run_pictures import Pictures
 from drivora_service.api.problem_details import ApiError
-from drivora_service.errors import StoreError
+from drivora_service.errors import TraceDamaged
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
+from drivora_service.observations.trace_files.stored_trace import StoredTrace
 from tests.api.conftest import Offline
 from tests.api.test_campaigns import finished as finished  # a fixture
 from tests.api.test_found_failures import crashed as crashed  # a fixture
@@ -79,24 +81,26 @@ def test_few_requests_wait_and_pictures_are_kept_within_bounds(
     ).content
     path = tmp_path / "run.trace.parquet"
     path.write_bytes(recorded)
+    run = http.get(f"/api/v1/runs/{crashed['id']}").json()
+    stored = StoredTrace(run_id=run["id"], path=path, sha256=run["trace_sha256"])
 
     async def scenario() -> None:
         pictures = Pictures(most_bytes=1 << 20, most_waiting=1)
-        draw = partial(pictures.strip, "a", path, network, (), moments=2)
+        draw = partial(pictures.strip, "a", stored, network, (), moments=2)
         drawn, again = await asyncio.gather(draw(), draw())
         assert drawn is again, "drawn once for equal requests"
-        none = tmp_path / "none"
+        none = replace(stored, path=tmp_path / "none")
         assert await pictures.strip("a", none, network, (), moments=2) is drawn
         forgetful = Pictures(most_bytes=len(drawn) - 1, most_waiting=1)
         outcomes = await asyncio.gather(
-            *(forgetful.strip(name, path, network, (), moments=2) for name in "abc"),
+            *(forgetful.strip(name, stored, network, (), moments=2) for name in "abc"),
             return_exceptions=True,
         )
         assert outcomes[0] == drawn
         refused = [one.status for one in outcomes[1:] if isinstance(one, ApiError)]
         assert refused == [503, 503]
         path.unlink()
-        with pytest.raises(StoreError):
-            await forgetful.strip("a", path, network, (), moments=2)
+        with pytest.raises(TraceDamaged):
+            await forgetful.strip("a", stored, network, (), moments=2)
 
     asyncio.run(scenario())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import time
@@ -86,6 +87,24 @@ def test_what_is_written_again_is_read_anew(places: TracePlaces) -> None:
     time.sleep(1.1)
     store_trace(OTHER, traces.prepare("01ab"))
     assert trace_sha256(read_trace(traces.path("01ab"))) == trace_sha256(OTHER)
+
+
+def test_a_copy_has_the_time_at_which_its_trace_was_written(tmp_path: Path) -> None:
+    """It is part of the message on a damaged one."""
+    places = TracePlaces(
+        runs=tmp_path / "traces",
+        campaigns=tmp_path / "campaigns",
+        url=f"file://{tmp_path / 'remote'}",
+        copies=tmp_path / "copies",
+    )
+    traces = places.of_runs()
+    store_trace(TRACE, traces.prepare("01ab"))
+    (file,) = (tmp_path / "remote").rglob("*.parquet")
+    os.utime(file, (0.0, 1000.0))
+    copy = traces.path("01ab")
+    assert copy.is_relative_to(tmp_path / "copies")
+    assert copy.stat().st_mtime == 1000.0
+    assert traces.path("02cd").name == "02cd.parquet", "messages name the file that is missing"
 
 
 def test_each_attempt_has_its_own_trace(places: TracePlaces) -> None:
