@@ -13,8 +13,9 @@ from drivora_service.campaigns.search.confirmation import trace_name
 from drivora_service.cli.application.installation import catalogues_for
 from drivora_service.cli.terminal.output import note
 from drivora_service.client import Client
-from drivora_service.errors import UnknownName
+from drivora_service.errors import NotFound, RequestConflict, UnknownName
 from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.store.campaigns.campaign_records import Confirmation
 from drivora_service.studies.reports.campaign_report import CampaignReport, group
 from drivora_service.studies.reports.campaign_report_pictures import draw_examples
 
@@ -86,8 +87,13 @@ def _fetch_traces(report: CampaignReport, client: Client, folder: Path) -> Campa
     """Fetches the traces of the examples, and names them as a folder of traces does."""
     for one in report.groups:
         target = folder / trace_name(one.example.evaluation)
-        if one.example.trace and not target.exists():
+        is_confirmed = one.example.confirmation is Confirmation.CONFIRMED
+        if not one.example.trace or not is_confirmed or target.exists():
+            continue
+        try:
             client.save_evaluation_observations(target, report.record.id, one.example.evaluation)
+        except (NotFound, RequestConflict) as error:
+            note(f"no picture of evaluation {one.example.evaluation}: {error}")
     groups = tuple(
         replace(
             one,

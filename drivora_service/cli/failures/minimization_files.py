@@ -39,6 +39,7 @@ def write_folder(
     Raises:
         ConfigurationError: A file cannot be written.
         ServiceError: The recordings cannot be fetched.
+        TraceDamaged: One is not that of its run.
     """
     write_document(minimization, folder / SCENARIO)
     report = adapter(type(minimization)).dump_python(minimization, mode="json")
@@ -53,7 +54,8 @@ def _draw(
     client: Client, minimization: Minimization, target: Path, *, data_dir: Path | None
 ) -> None:
     from drivora_service.cli.application.installation import network_catalogue, settings_for
-    from drivora_service.observations.trace_files.trace_file import read_trace
+    from drivora_service.observations.trace_files.checked_trace import read_checked_trace
+    from drivora_service.observations.trace_files.stored_trace import StoredTrace
     from drivora_service.plotting.side_by_side import Side, draw_side_by_side
 
     sides = []
@@ -64,9 +66,11 @@ def _draw(
             path = Path(scratch) / f"{name}.trace.parquet"
             client.save_run_observations(path, run_id)
             title = name if size is None else title_of(size, name)
-            found = minimization.failure.find_in(client.run(run_id).verdicts)
+            run = client.run(run_id)
+            found = minimization.failure.find_in(run.verdicts)
             verdicts = () if found is None else (found,)
-            sides.append(Side(title=title, trace=read_trace(path), verdicts=verdicts))
+            stored = StoredTrace(run_id=run_id, path=path, sha256=run.trace_sha256)
+            sides.append(Side(title=title, trace=read_checked_trace(stored), verdicts=verdicts))
     network = network_catalogue(settings_for(data_dir)).get(sides[0].trace.network)
     with convert_write_errors(target):
         draw_side_by_side(sides[0], sides[1], network, target)

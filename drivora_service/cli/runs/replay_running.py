@@ -12,12 +12,19 @@ from drivora_service.cli.runs.file_running import note_batch_on_stop, problems_o
 from drivora_service.cli.terminal.out_option import convert_write_errors
 from drivora_service.cli.terminal.private_files import give_to_user
 from drivora_service.client import Client
-from drivora_service.errors import InvalidDocument, NotFound, Problem, StoreError
-from drivora_service.observations.trace_files.trace_file import read_trace
+from drivora_service.errors import (
+    InvalidDocument,
+    NotFound,
+    Problem,
+    RequestConflict,
+    TraceDamaged,
+)
+from drivora_service.observations.trace_files.checked_trace import read_checked_trace
+from drivora_service.observations.trace_files.stored_trace import StoredTrace
 from drivora_service.scenario.documents import document_text, parse_document
 from drivora_service.store.engine.chunks import batched
 from drivora_service.store.failures.failure_records import FoundFilter
-from drivora_service.store.runs.run_records import JobFilter, Priority
+from drivora_service.store.runs.run_records import JobFilter, Priority, RunRecord
 from drivora_service.suites.replay.replay_comparing import (
     Original,
     Recording,
@@ -167,10 +174,10 @@ def _replay_batch(
         for again in client.wait_for_batch(submission.batch.id):
             original = originals[again.item]
             before, after = (
-                _fetch_recording(client, run_id, is_recorded, whose, file)
-                for run_id, is_recorded, whose, file in (
-                    (original.run.id, bool(original.run.trace_sha256), "the run", files[0]),
-                    (again.id, bool(again.trace_sha256), "the replay", files[1]),
+                _fetch_recording(client, run, whose, file)
+                for run, whose, file in (
+                    (original.run, "the run", files[0]),
+                    (again, "the replay", files[1]),
                 )
             )
             replay = compare(original, again, before, after)
@@ -179,20 +186,21 @@ def _replay_batch(
             tell(replay)
 
 
-def _fetch_recording(
-    client: Client, run_id: str, is_recorded: bool, whose: str, file: Path
-) -> Recording:
+def _fetch_recording(client: Client, run: RunRecord, whose: str, file: Path) -> Recording:
     """Fetches and reads the recording of a run, whose file is left where it was wanted."""
     file.unlink(missing_ok=True)
-    if not is_recorded:
+    if not run.trace_sha256:
         return Recording(lack=f"{whose} has no recording")
+    stored = StoredTrace(run_id=run.id, path=file, sha256=run.trace_sha256)
     try:
-        client.save_run_observations(file, run_id)
-        return Recording(trace=read_trace(file))
+        client.save_run_observations(file, run.id)
+        # Older services send what they have.
+        return Recording(trace=read_checked_trace(stored))
     except NotFound:
         return Recording(lack=f"the recording of {whose} was removed")
-    except StoreError as error:
-        return Recording(lack=f"the recording of {whose} cannot be read: {error}")
+    except (RequestConflict, TraceDamaged) as error:
+        file.unlink(missing_ok=True)
+        return Recording(lack=f"the recording of {whose} is damaged: {error}", is_damaged=True)
 
 
 def _copy_recordings(files: Sequence[Path], out: Path, name: str) -> list[str]:

@@ -7,13 +7,16 @@ from pathlib import Path
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.observations.trace_files.trace_file import read_trace
 from drivora_service.plotting.run_picture import draw_run
+from drivora_service.store.campaigns.campaign_records import Confirmation
 from drivora_service.studies.reports.campaign_report import CampaignReport
 
 
 def draw_examples(
     report: CampaignReport, traces: Path, catalogues: Catalogues, folder: Path
 ) -> dict[int, Path]:
-    """Draws the example of each group, if its trace exists, once an evaluation.
+    """Draws the example of each group, if it was confirmed and its trace exists.
+
+    An evaluation is drawn once.
 
     Args:
         report: The campaign.
@@ -35,7 +38,9 @@ def draw_examples(
         example = one.example
         source = traces / example.trace
         group = (example.verdict.oracle, one.number)
-        if group in drawn or not example.trace or not source.is_file():
+        # The trace of a flaky failure is of a second run that drove otherwise.
+        is_confirmed = example.confirmation is Confirmation.CONFIRMED
+        if group in drawn or not example.trace or not is_confirmed or not source.is_file():
             continue
         drawn.add(group)
         if example.evaluation in pictures:

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivora_service.errors import StoreError
-from drivora_service.observations.trace_files.trace_file import read_trace
+from drivora_service.errors import TraceDamaged
+from drivora_service.observations.trace_files.checked_trace import read_checked_trace
+from drivora_service.observations.trace_files.stored_trace import StoredTrace
 from drivora_service.runs.run_report import RunReport, RunStatus
 from drivora_service.scenario.documents import parse_document
 from drivora_service.store.minimizations.minimization_records import (
@@ -124,7 +125,7 @@ class Work:
             failure=None
             if found is None
             else Failure(time=found.time, location=found.location, sim_time_s=report.sim_time_s),
-            recording=self._read_recording(report.run_id) if found else None,
+            recording=self._read_recording(report) if found else None,
         )
 
     def choose_runs(self, most: int) -> tuple[NewRun, ...]:
@@ -196,13 +197,17 @@ class Work:
             document={"version": "1.0", "frame": "sumo", **content_of(state.document)},
         )
 
-    def _read_recording(self, run_id: str) -> Recording | None:
-        """Returns the motions of a run that was observed, unless its trace is gone."""
+    def _read_recording(self, report: RunReport) -> Recording | None:
+        """Returns the motions of a run that was observed, unless its trace is gone or damaged."""
+        run_id = report.run_id
         if not run_id.endswith(Purpose.OBSERVE):
             return None
+        stored = StoredTrace(
+            run_id=run_id, path=self._trace_path(run_id), sha256=report.trace_sha256
+        )
         try:
-            return recording_of(read_trace(self._trace_path(run_id)))
-        except StoreError:
+            return recording_of(read_checked_trace(stored))
+        except TraceDamaged:
             return None
 
     def _size_of(self, state: State) -> ScenarioSize:

@@ -10,7 +10,6 @@ from drivora_service.observations.differences.trace_difference import (
     trace_difference,
 )
 from drivora_service.observations.trace import Trace
-from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.oracles.verdicts.verdict_changes import verdict_changes
 from drivora_service.oracles.verdicts.verdict_json import verdict_content
 from drivora_service.runs.run_report import RunStatus
@@ -52,10 +51,12 @@ class Recording:
     Attributes:
         trace: Its trace; ``None`` if there is none that can be read.
         lack: Why there is none, as a clause.
+        is_damaged: Whether its file is not what was recorded.
     """
 
     trace: Trace | None = None
     lack: str = ""
+    is_damaged: bool = False
 
 
 def explain_not_replayable(original: Original) -> str:
@@ -111,10 +112,12 @@ def compare(original: Original, again: RunRecord, before: Recording, after: Reco
     is_placed = before.trace is not None and after.trace is not None
     if before.trace is not None and after.trace is not None:
         difference = trace_difference(before.trace, after.trace)
-        if trace_sha256(before.trace) != _hash(run):
-            reasons.append("the stored recording does not have the hash that is stored of the run")
+    if before.is_damaged:
+        # The simulation may be the same, but what is stored of it is no evidence of that.
+        same = "" if reasons else "; the hash of the replay is the one that was recorded"
+        reasons.append(f"{before.lack}{same}")
     is_same = not reasons and difference is None
-    if not is_placed:
+    if not is_placed and not before.is_damaged:
         reasons.append(_without_frames(original, again, before, after, is_same=is_same))
     verdicts = [[verdict_content(one) for one in each.verdicts] for each in (run, again)]
     return replace(
