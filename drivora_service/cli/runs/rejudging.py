@@ -1,15 +1,18 @@
-"""Stored traces judged by the current oracles, compared with their earlier verdicts."""
+"""Recorded traces judged by the current oracles, compared with their earlier verdicts."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drivora_service.errors import ConfigurationError, DrivoraError, NetworkError
+from drivora_service.errors import ConfigurationError, DrivoraError, NetworkError, TraceDamaged
 from drivora_service.networks.catalogue import NetworkCatalogue
+from drivora_service.observations.trace import Trace
+from drivora_service.observations.trace_files.checked_trace import read_checked_trace
+from drivora_service.observations.trace_files.stored_trace import StoredTrace
 from drivora_service.observations.trace_files.trace_file import read_trace
 from drivora_service.oracles.built_in import judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
@@ -17,7 +20,8 @@ from drivora_service.oracles.verdict import Verdict
 from drivora_service.oracles.verdicts.verdict_changes import VerdictChange, verdict_changes
 from drivora_service.oracles.verdicts.verdict_json import verdict_content
 
-_TRACE = ".trace.parquet"
+TRACE = ".trace.parquet"
+"""How the names of the traces end that commands write."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,69 +29,143 @@ class Rejudged:
     """A trace judged by the current oracles.
 
     Attributes:
+        name: Its run, for people.
+        trace: Its file, or the id of its run if it came from a store or a service.
+        run_id: Id of its run; "" if that is not known.
         error: Why it could not be judged, or "".
-        compared: Whether there is a report beside it to compare with.
+        is_damaged: Whether that is because its file is not what was recorded.
+        note: Why it was not compared though nothing failed, or "".
+        compared: Whether there are earlier verdicts to compare with.
         verdicts: By the current oracles.
         changes: Empty if nothing changed or was compared.
     """
 
-    trace: Path
+    name: str
+    trace: str
+    run_id: str = ""
     error: str = ""
+    is_damaged: bool = False
+    note: str = ""
     compared: bool = False
     verdicts: tuple[Verdict, ...] = ()
     changes: tuple[VerdictChange, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Report:
+    """The report beside a trace.
+
+    Attributes:
+        run_id: Id of the run, or "".
+        trace_sha256: Hash of its trace, or "".
+        verdicts: Its verdicts; ``None`` unless the run finished.
+    """
+
+    run_id: str = ""
+    trace_sha256: str = ""
+    verdicts: list[dict[str, Any]] | None = None
+
+
+class Rejudge:
+    """Judges traces by the current oracles."""
+
+    def __init__(self, networks: NetworkCatalogue, oracles: OracleCatalogue) -> None:
+        """Takes the road networks that traces may be of, and the oracles that judge."""
+        self._networks, self._oracles = networks, oracles
+
+    def file(self, path: Path) -> Rejudged:
+        """Judges a trace file, and compares with the report ``NAME.report.json`` beside it."""
+        report = _read_report(path)
+
+        def read() -> Trace:
+            if not report.trace_sha256:
+                return read_trace(path)
+            name = report.run_id or path.name.removesuffix(TRACE)
+            return read_checked_trace(
+                StoredTrace(run_id=name, path=path, sha256=report.trace_sha256)
+            )
+
+        note = "judged; there is no report beside it to compare with"
+        named = Rejudged(name=path.name.partition(".")[0], trace=str(path), run_id=report.run_id)
+        return self.judge(named, read, report.verdicts, note=note)
+
+    def judge(
+        self,
+        named: Rejudged,
+        read: Callable[[], Trace],
+        before: list[dict[str, Any]] | None,
+        *,
+        note: str,
+    ) -> Rejudged:
+        """Judges a trace, and compares with earlier verdicts.
+
+        Args:
+            named: Name and place of the trace.
+            read: Reads it.
+            before: Earlier verdicts; ``None``: there are none.
+            note: Said if there are none.
+        """
+        name, trace, run_id = named.name, named.trace, named.run_id
+        try:
+            verdicts = self._verdicts_of(read())
+        except TraceDamaged as error:
+            return Rejudged(
+                name=name, trace=trace, run_id=run_id, error=str(error), is_damaged=True
+            )
+        except (DrivoraError, OSError) as error:
+            return Rejudged(name=name, trace=trace, run_id=run_id, error=str(error))
+        if before is None:
+            return Rejudged(name=name, trace=trace, run_id=run_id, verdicts=verdicts, note=note)
+        after = [verdict_content(verdict) for verdict in verdicts]
+        return Rejudged(
+            name=name,
+            trace=trace,
+            run_id=run_id,
+            compared=True,
+            verdicts=verdicts,
+            changes=verdict_changes(before, after),
+        )
+
+    def _verdicts_of(self, trace: Trace) -> tuple[Verdict, ...]:
+        network = self._networks.get(trace.network)
+        if network.sha256 != trace.network_sha256:
+            raise NetworkError(
+                f"it was recorded on another version of the road network {trace.network!r}: judge "
+                "it with the version of Drivora that recorded it"
+            )
+        return judge_all(trace, network, self._oracles.oracles())
 
 
 def find_traces(paths: Sequence[Path]) -> tuple[Path, ...]:
     """Returns the trace files that are named, and those inside folders, in order of name.
 
     Raises:
-        ConfigurationError: A path does not exist, or a folder holds no trace.
+        ConfigurationError: A folder holds no trace.
     """
     found: list[Path] = []
     for path in paths:
-        if path.is_dir():
-            inside = sorted(path.rglob(f"*{_TRACE}"))
-            if not inside:
-                raise ConfigurationError(f"{path} holds no trace (*{_TRACE})")
-            found += inside
-        elif path.is_file():
+        if not path.is_dir():
             found.append(path)
-        else:
-            raise ConfigurationError(f"there is no file {path}")
+            continue
+        inside = sorted(path.rglob(f"*{TRACE}"))
+        if not inside:
+            raise ConfigurationError(
+                f"{path} holds no trace (*{TRACE}), and is no data folder of Drivora nor within one"
+            )
+        found += inside
     return tuple(dict.fromkeys(found))
 
 
-def rejudge(path: Path, networks: NetworkCatalogue, oracles: OracleCatalogue) -> Rejudged:
-    """Judges a stored trace, and compares with the report ``NAME.report.json`` beside it."""
+def _read_report(trace: Path) -> _Report:
+    """Returns the report beside a trace; an empty one if there is none that can be used."""
+    path = trace.with_name(trace.name.removesuffix(TRACE) + ".report.json")
     try:
-        trace = read_trace(path)
-        network = networks.get(trace.network)
-        if network.sha256 != trace.network_sha256:
-            raise NetworkError(
-                f"it was recorded on another version of the road network {trace.network!r}: judge "
-                "it with the version of Drivora that recorded it"
-            )
-        verdicts = judge_all(trace, network, oracles.oracles())
-    except (DrivoraError, OSError) as error:
-        return Rejudged(trace=path, error=str(error))
-    before = _read_verdicts(path)
-    if before is None:
-        return Rejudged(trace=path, verdicts=verdicts)
-    after = [verdict_content(verdict) for verdict in verdicts]
-    return Rejudged(
-        trace=path,
-        compared=True,
-        verdicts=verdicts,
-        changes=verdict_changes(before, after),
-    )
-
-
-def _read_verdicts(path: Path) -> list[dict[str, Any]] | None:
-    """Returns the verdicts of the report beside a trace; ``None`` without a usable report."""
-    report = path.with_name(path.name.removesuffix(_TRACE) + ".report.json")
-    try:
-        content = json.loads(report.read_bytes())
-        return list(content["verdicts"]) if content["status"] == "finished" else None
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return None
+        content = json.loads(path.read_bytes())
+        is_finished = content["status"] == "finished"
+        return _Report(
+            run_id=str(content.get("id") or ""),
+            trace_sha256=str(content.get("trace_sha256") or ""),
+            verdicts=list(content["verdicts"]) if is_finished else None,
+        )
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        return _Report()

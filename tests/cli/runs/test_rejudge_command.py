@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import json
 import shutil
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -63,3 +65,68 @@ def test_what_cannot_be_judged_is_named(drivora: Drivora, tmp_path: Path) -> Non
     assert ended.code == 3
     assert str(broken) in ended.out
     assert drivora("rejudge", tmp_path / "none").code == 2
+    assert drivora("rejudge", "none.trace.parquet").code == 2
+
+
+def test_a_trace_without_the_hash_of_its_report_is_damaged(
+    drivora: Drivora, scenario_file: Path, results: Path
+) -> None:
+    assert (
+        drivora("run", scenario_file, "--agent", "scripted", "--out", results / "other").code == 0
+    )
+    other = results / "other" / "crossing.trace.parquet"
+    shutil.copy(other, results / other.name)
+    report = json.loads((results / "crossing.report.json").read_text())
+    ended = drivora("rejudge", results / other.name)
+    assert ended.code == 3
+    assert f"run {report['id']}: its trace file crossing.trace.parquet is damaged" in ended.out
+    assert "Traces: 1; compared: 0; changed: 0; damaged: 1" in ended.out
+    (run,) = drivora("rejudge", results / other.name, "--json").json()["runs"]
+    assert (run["run"], run["damaged"], run["compared"]) == (report["id"], True, False)
+    assert run["verdicts"] == []
+
+
+def test_traces_of_the_data_folder_are_judged_with_what_is_stored_of_their_runs(
+    drivora: Drivora, results: Path, tmp_path: Path
+) -> None:
+    data = tmp_path / "data"
+    run_id = json.loads((results / "crossing.report.json").read_text())["id"]
+    (file,) = data.glob("traces/*/*.parquet")
+    for place in (data, data / "traces", file.parent, file, run_id):
+        same = drivora("rejudge", place, "--json")
+        assert same.code == 0, same.err
+        (run,) = same.json()["runs"]
+        assert (run["run"], run["compared"], run["changes"]) == (run_id, True, [])
+        assert run["trace"] == (run_id if place == run_id else str(file))
+    with closing(sqlite3.connect(data / "drivora.sqlite3")) as connection, connection:
+        ((body,),) = connection.execute("SELECT body FROM reports").fetchall()
+        content = json.loads(body)
+        dropped = content["verdicts"].pop()
+        connection.execute("UPDATE reports SET body = ?", (json.dumps(content),))
+    changed = drivora("rejudge", data, "--json")
+    assert changed.code == 1
+    (run,) = changed.json()["runs"]
+    assert [(c["oracle"], c["before"]) for c in run["changes"]] == [
+        (dropped["oracle"], "not judged")
+    ]
+    # A file that no run has, such as one of a run that is under way, is of no verdict.
+    shutil.copy(file, file.with_name(f"other{run_id[-2:]}.parquet"))
+    assert drivora("rejudge", data).code == 1
+    stray = drivora("rejudge", file.with_name(f"other{run_id[-2:]}.parquet"))
+    assert stray.code == 0
+    assert "not judged: no stored run has this trace" in stray.out
+    unknown = drivora("rejudge", "nosuch")
+    assert unknown.code == 3
+    assert "nosuch: unknown run 'nosuch'" in unknown.out
+
+
+def test_other_folders_with_the_data_folder_around_them_are_those_of_commands(
+    drivora: Drivora, results: Path, tmp_path: Path
+) -> None:
+    inside = tmp_path / "data" / "results"
+    shutil.copytree(results, inside)
+    ended = drivora("rejudge", inside)
+    assert ended.code == 0
+    assert "Traces: 1; compared: 1; changed: 0; damaged: 0" in ended.out
+    (tmp_path / "empty").mkdir()
+    assert drivora("rejudge", tmp_path / "empty").code == 2
