@@ -7,10 +7,14 @@ from pathlib import Path
 import pytest
 
 from drivora_service.api.documentation.recorded_examples import SCENARIO
+from drivora_service.observations.trace_files.trace_file import write_trace
+from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.runs.run_report import RunReport, RunStatus
 from drivora_service.scenario.documents import document_text, parse_document
 from drivora_service.store.minimizations.minimization_repository import ActiveMinimization
 from drivora_service.suites.minimization.minimization_work import Work
+from drivora_service.suites.minimization.minimizer import Purpose
+from drivora_service.testing.traces import Motion, SyntheticEgo, make_trace
 from tests.store.samples import finished, new_minimization
 from tests.suites.minimization.synthetic import checker
 
@@ -75,3 +79,15 @@ def test_runs_that_are_lost_again_and_again_end_it(work: Work) -> None:
         work.take(cancelled(f"{number}"))
     assert work.choose_runs(2) == ()
     assert message(work) == "failed: run 2 could not be performed"
+
+
+def test_only_the_recorded_trace_of_a_run_has_its_motions(work: Work, tmp_path: Path) -> None:
+    run_id = f"{work.id}-0{Purpose.OBSERVE}"
+    trace = make_trace([SyntheticEgo(motion=Motion.along([0.0, 1.0, 2.0, 3.0], 0.0))])
+    other = make_trace([SyntheticEgo(motion=Motion.along([0.0, 1.5, 3.0, 4.5], 0.0))])
+    report = RunReport(run_id=run_id, status=RunStatus.FINISHED, trace_sha256=trace_sha256(trace))
+    assert work._read_recording(report) is None
+    write_trace(trace, tmp_path / run_id)
+    assert work._read_recording(report) is not None
+    write_trace(other, tmp_path / run_id)
+    assert work._read_recording(report) is None
