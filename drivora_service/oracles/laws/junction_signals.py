@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
@@ -9,6 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from shapely import LineString, line_locate_point, points
 
+from drivora_service.geometry.angles import wrap_angle
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.stop_lines import WayThrough, stop_lines
 from drivora_service.observations.line_crossings import Crossing
@@ -74,6 +76,28 @@ def turning(ego: EgoView, directions: str) -> FloatArray:
     return rows
 
 
+def turn_angle(ego: EgoView) -> FloatArray:
+    """Returns the (n,) radians between the lanes before and behind a movement; NaN elsewhere."""
+    angles = np.full(ego.count, np.nan)
+    for crossing, way in _find_movements(ego):
+        behind = ego.network.lanes[way.inside[-1]].connections
+        if behind:
+            heading = ego.network.lanes[behind[0].to_lane].position_at(0.0)[2]
+            angle = abs(wrap_angle(heading - _heading_before(ego, crossing)))
+            angles[_through(ego, crossing, way)] = angle
+    return angles
+
+
+def turned(ego: EgoView) -> FloatArray:
+    """Returns the (n,) radians between heading and lane before a movement; NaN elsewhere."""
+    angles = np.full(ego.count, np.nan)
+    for crossing, way in _find_movements(ego):
+        rows = _through(ego, crossing, way)
+        turn = ego.states[rows, Col.YAW] - _heading_before(ego, crossing)
+        angles[rows] = np.abs((turn + np.pi) % (2.0 * np.pi) - np.pi)
+    return angles
+
+
 def at_signal(ego: EgoView) -> FloatArray:
     """Returns the (n,) rows in a junction in which a signal in operation controls the movement."""
     rows = np.zeros(ego.count)
@@ -110,6 +134,12 @@ def _least(ego: EgoView, conflicts: Iterator[Conflict]) -> tuple[FloatArray, Flo
         gap[row] = np.fmin(gap[row], conflict.lag)
         braking[row] = np.fmax(braking[row], conflict.braking)
     return gap, braking
+
+
+def _heading_before(ego: EgoView, crossing: Crossing) -> float:
+    """Returns the direction of the lane that ends at a line, radians."""
+    along_x, along_y = stop_lines(ego.network).headings[crossing.line].tolist()
+    return math.atan2(along_y, along_x)
 
 
 def _find_movements(ego: EgoView) -> Iterator[tuple[Crossing, WayThrough]]:

@@ -6,8 +6,6 @@ description names, far beyond any threshold: a comparison is then plainly true o
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -18,6 +16,8 @@ from drivora_service.observations.trace import Light
 from drivora_service.oracles.laws.junction_signals import (
     at_signal,
     junction_distance,
+    turn_angle,
+    turned,
     turning,
     wrong_lane,
     yielding,
@@ -29,6 +29,7 @@ from drivora_service.oracles.laws.motion_signals import (
     shows_light,
     speed_limit,
 )
+from drivora_service.oracles.laws.signal_records import Signal, flag, measure
 from drivora_service.oracles.laws.traffic_signals import (
     closing_from_behind,
     leader_gap,
@@ -37,7 +38,7 @@ from drivora_service.oracles.laws.traffic_signals import (
     time_to_collision,
     walker_distance,
 )
-from drivora_service.oracles.laws.units import ACCELERATION, METRE, SECOND, SPEED, Unit
+from drivora_service.oracles.laws.units import ACCELERATION, METRE, RADIAN, SECOND, SPEED
 
 FAR = 1000.0
 """Metres, or seconds: a place or a moment that there is none of."""
@@ -46,73 +47,32 @@ FAST = 100.0
 """m/s: a speed above any that is driven."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Signal:
-    """A quantity of an ego at every row.
-
-    Attributes:
-        name: Name in formulas.
-        unit: ``None`` for a flag, which is true or false.
-        scale: Difference from a threshold, in that unit, at which the robustness is 1; 1 for flags.
-        meaning: One sentence.
-        absent: Value where there is nothing to measure; NaN if there always is.
-        values: Returns the (n,) values of an ego; NaN where there is nothing to measure.
-    """
-
-    name: str
-    unit: Unit | None
-    scale: float
-    meaning: str
-    absent: float
-    values: Callable[[EgoView], FloatArray]
-
-    @property
-    def is_flag(self) -> bool:
-        """Whether it is true or false."""
-        return self.unit is None
-
-
-def _flag(name: str, meaning: str, values: Callable[[EgoView], FloatArray]) -> Signal:
-    return Signal(name=name, unit=None, scale=1.0, meaning=meaning, absent=0.0, values=values)
-
-
-def _measure(
-    name: str,
-    unit: Unit,
-    scale: float,
-    meaning: str,
-    values: Callable[[EgoView], FloatArray],
-    absent: float = np.nan,
-) -> Signal:
-    return Signal(name=name, unit=unit, scale=scale, meaning=meaning, absent=absent, values=values)
-
-
 SIGNALS: tuple[Signal, ...] = (
-    _measure("speed", SPEED, 10.0, "Speed over ground.", lambda ego: ego.speed),
-    _measure(
+    measure("speed", SPEED, 10.0, "Speed over ground.", lambda ego: ego.speed),
+    measure(
         "acceleration",
         ACCELERATION,
         5.0,
         "Acceleration along the heading; negative while the ego brakes.",
         acceleration,
     ),
-    _measure("speed_limit", SPEED, 10.0, "Speed limit of the ego's lane.", speed_limit, FAST),
-    _flag(
+    measure("speed_limit", SPEED, 10.0, "Speed limit of the ego's lane.", speed_limit, FAST),
+    flag(
         "light_red",
         "The next signal on the route shows red.",
         lambda ego: shows_light(ego, Light.RED),
     ),
-    _flag(
+    flag(
         "light_yellow",
         "The next signal on the route shows yellow.",
         lambda ego: shows_light(ego, Light.YELLOW),
     ),
-    _flag(
+    flag(
         "light_green",
         "The next signal on the route shows green.",
         lambda ego: shows_light(ego, Light.GREEN),
     ),
-    _measure(
+    measure(
         "light_distance",
         METRE,
         20.0,
@@ -121,7 +81,7 @@ SIGNALS: tuple[Signal, ...] = (
         light_distance,
         FAR,
     ),
-    _measure(
+    measure(
         "junction_distance",
         METRE,
         20.0,
@@ -129,45 +89,61 @@ SIGNALS: tuple[Signal, ...] = (
         junction_distance,
         FAR,
     ),
-    _flag(
+    flag(
         "in_junction",
         "The ego's centre is on a lane inside a junction.",
         lambda ego: ego.in_junction.astype(np.float64),
     ),
-    _flag(
+    flag(
         "turning_left",
         "The ego turns left in a junction: from its front's passing the stop line to its leaving "
         "the junction.",
         lambda ego: turning(ego, "lL"),
     ),
-    _flag(
+    flag(
         "turning_right",
         "The ego turns right in a junction, over the same rows.",
         lambda ego: turning(ego, "rR"),
     ),
-    _flag(
+    flag(
         "turning_around",
         "The ego turns around in a junction, over the same rows.",
         lambda ego: turning(ego, "t"),
     ),
-    _flag(
+    flag(
         "turning",
         "The ego turns left, right or around in a junction, over the same rows.",
         lambda ego: turning(ego, "lLrRt"),
     ),
-    _flag(
+    measure(
+        "turn_angle",
+        RADIAN,
+        1.0,
+        "Over the same rows: angle between the lanes before and behind the ego's movement.",
+        turn_angle,
+        0.0,
+    ),
+    measure(
+        "turned",
+        RADIAN,
+        1.0,
+        "Over the same rows: angle between the ego's heading and the lane before its movement.",
+        turned,
+        0.0,
+    ),
+    flag(
         "at_signal",
         "The ego's movement through the junction has a signal that is in operation, over the same "
         "rows.",
         at_signal,
     ),
-    _flag(
+    flag(
         "wrong_lane",
         "The ego's movement through the junction is not permitted from the lane that it came in "
         "on, over the same rows.",
         wrong_lane,
     ),
-    _measure(
+    measure(
         "yield_gap",
         SECOND,
         2.0,
@@ -176,7 +152,7 @@ SIGNALS: tuple[Signal, ...] = (
         lambda ego: yielding(ego).gap,
         FAR,
     ),
-    _measure(
+    measure(
         "yield_braking",
         ACCELERATION,
         5.0,
@@ -184,7 +160,7 @@ SIGNALS: tuple[Signal, ...] = (
         lambda ego: yielding(ego).braking,
         0.0,
     ),
-    _measure(
+    measure(
         "walker_yield_gap",
         SECOND,
         2.0,
@@ -193,32 +169,32 @@ SIGNALS: tuple[Signal, ...] = (
         lambda ego: yielding(ego).walker_gap,
         FAR,
     ),
-    _flag(
+    flag(
         "fast_lane",
         "The ego is on the leftmost of two or more lanes of its direction.",
         lambda ego: has_lane_beside(ego, left=False, right=True),
     ),
-    _flag(
+    flag(
         "slow_lane",
         "The ego is on the rightmost of two or more lanes of its direction.",
         lambda ego: has_lane_beside(ego, left=True, right=False),
     ),
-    _flag(
+    flag(
         "lane_change_left",
         "In this row the ego's centre has come into the lane to its left.",
         lambda ego: lane_change(ego, to_left=True),
     ),
-    _flag(
+    flag(
         "lane_change_right",
         "In this row the ego's centre has come into the lane to its right.",
         lambda ego: lane_change(ego, to_left=False),
     ),
-    _flag(
+    flag(
         "lane_change",
         "In this row the ego's centre has come into the lane to its left or right.",
         lambda ego: lane_change(ego, to_left=True) + lane_change(ego, to_left=False),
     ),
-    _measure(
+    measure(
         "leader_gap",
         METRE,
         20.0,
@@ -226,7 +202,7 @@ SIGNALS: tuple[Signal, ...] = (
         leader_gap,
         FAR,
     ),
-    _measure(
+    measure(
         "leader_speed",
         SPEED,
         10.0,
@@ -234,7 +210,7 @@ SIGNALS: tuple[Signal, ...] = (
         leader_speed,
         FAST,
     ),
-    _measure(
+    measure(
         "follower_time",
         SECOND,
         4.0,
@@ -243,7 +219,7 @@ SIGNALS: tuple[Signal, ...] = (
         closing_from_behind,
         FAR,
     ),
-    _measure(
+    measure(
         "time_to_collision",
         SECOND,
         4.0,
@@ -252,7 +228,7 @@ SIGNALS: tuple[Signal, ...] = (
         time_to_collision,
         FAR,
     ),
-    _measure(
+    measure(
         "required_braking",
         ACCELERATION,
         5.0,
@@ -260,7 +236,7 @@ SIGNALS: tuple[Signal, ...] = (
         required_braking,
         FAST,
     ),
-    _measure(
+    measure(
         "walker_distance",
         METRE,
         20.0,

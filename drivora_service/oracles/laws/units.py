@@ -41,6 +41,7 @@ ONE = Unit(powers=(0, 0, 0))
 """No dimension: shares and counts."""
 METRE = Unit(powers=(1, 0, 0))
 SECOND = Unit(powers=(0, 1, 0))
+RADIAN = Unit(powers=(0, 0, 1))
 SPEED = METRE / SECOND
 ACCELERATION = SPEED / SECOND
 

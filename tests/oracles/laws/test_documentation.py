@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from drivora_service.oracles.laws.law_signals import SIGNALS, Signal
+from drivora_service.oracles.laws.law_signals import SIGNALS
+from drivora_service.oracles.laws.signal_records import Signal
 from tests.oracles.laws.laws import library
 
 REFERENCE = (Path(__file__).parents[3] / "docs/reference/laws.md").read_text(encoding="utf-8")

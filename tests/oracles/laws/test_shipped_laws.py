@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from drivora_service.networks.road_network import Lane, RoadNetwork
+from drivora_service.networks.road_network import Connection, Lane, RoadNetwork
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Light, Trace
 from drivora_service.oracles.built_in import default_oracles, judge_all
@@ -212,9 +212,58 @@ class TestLaw46:
         (verdict, *_) = judge_on(TOWN, self.law, ego)
         assert (verdict.outcome is Outcome.VIOLATED) is broken
 
+    def test_braking_behind_the_line_before_the_turn(self) -> None:
+        """The front is past the line for 0.7 s at more than 30 km/h, and the way still straight."""
+        arterial = network("arterial")
+        before = next(
+            lane
+            for lane in arterial.lanes
+            if not lane.is_internal and lane.speed_limit > 16.0 and _turns_left(lane)
+        )
+        left = _turns_left(before)
+        assert left is not None
+        line = way(arterial, before.id, _lane_behind(arterial, left))
+        # At 12 m/s for 2 s, then braking to 7 m/s; 10 m/s at the line.
+        speed = np.clip(12.0 - 2.5 * (np.arange(400) * 0.05 - 2.0), 7.0, 12.0)
+        gone = np.concatenate(([0.0], np.cumsum(speed[:-1] * 0.05)))
+        at_line = int(np.argmax(speed <= 10.0))
+        fronts = gone - gone[at_line] + float(before.arc[-1])
+        ego = on_network(arterial, along(line, fronts[: at_line + 60]))
+        assert judge_on(arterial, self.law, ego)[0].outcome is Outcome.PASSED
+        start = float(before.arc[-1]) - 40.0
+        fast = on_network(arterial, along(line, steady(10.0, 140, start=start)))
+        assert judge_on(arterial, self.law, fast)[0].outcome is Outcome.VIOLATED
+
+    def test_a_fork_is_no_turn(self) -> None:
+        """A way that SUMO calls partly to the right bends by less than 45° out of a roundabout."""
+        ring = network("roundabout")
+        before, after = next(
+            (lane.id, _lane_behind(ring, connection))
+            for lane in ring.lanes
+            if not lane.is_internal and lane.arc[-1] > 15.0
+            for connection in lane.connections
+            if connection.direction == "R"
+        )
+        end = float(ring.lane(before).arc[-1])
+        line = way(ring, before, after)
+        ego = on_network(ring, along(line, steady(10.0, 60, start=end - 9.0)))
+        assert judge_on(ring, self.law, ego)[0].outcome is Outcome.PASSED
+
     def test_straight_on(self) -> None:
         ego = on_network(TOWN, along(way(TOWN, "-high_3_0", "-high_2_0"), steady(12.0, 300)))
         assert judge_on(TOWN, self.law, ego)[0].outcome is Outcome.PASSED
+
+
+def _turns_left(lane: Lane) -> Connection | None:
+    return next((one for one in lane.connections if one.direction == "l"), None)
+
+
+def _lane_behind(net: RoadNetwork, connection: Connection) -> str:
+    """Id of the lane after the junction."""
+    lane = net.lanes[connection.to_lane]
+    while lane.is_internal:
+        lane = net.lanes[lane.connections[0].to_lane]
+    return lane.id
 
 
 class TestLaw51:
