@@ -13,6 +13,7 @@ from drivora_service.oracles.deadlock import Deadlock
 from drivora_service.oracles.destination import Destination
 from drivora_service.oracles.discomfort import Discomfort
 from drivora_service.oracles.failure_to_yield import FailureToYield
+from drivora_service.oracles.junction_blocking import JunctionBlocking
 from drivora_service.oracles.lane_keeping import LaneKeeping
 from drivora_service.oracles.minimum_speed import MinimumSpeed
 from drivora_service.oracles.near_miss import NearMiss
@@ -40,6 +41,7 @@ def default_oracles() -> tuple[Oracle, ...]:
         RouteDeviation(),
         Speeding(),
         Blocked(),
+        JunctionBlocking(),
         Deadlock(),
         Destination(),
         NearMiss(),

@@ -275,6 +275,26 @@ ORACLES = (
         source="CARLA Leaderboard; Bench2Drive",
     ),
     OracleDescription(
+        name="junction_blocking",
+        definition="The ego stands in a junction, on a way that others cross, without a reason.",
+        unit="s",
+        violated_by=ViolatedBy.ABOVE,
+        thresholds=(
+            _threshold("standing_speed", "m/s", "Slower than this, the ego stands.", _LEADERBOARD),
+            _threshold("duration", "s", "Standing for this long without a reason violates.", _OWN),
+            _threshold(
+                "headway",
+                "s",
+                "A vehicle that goes first and comes this soon is a reason to wait.",
+                "Highway Capacity Manual",
+            ),
+            _threshold(
+                "waiting", "s", "Another vehicle that stands for this long waits for the ego.", _OWN
+            ),
+        ),
+        source="Vienna Convention art. 18.5 and 18.6; StVO § 11 (1)",
+    ),
+    OracleDescription(
         name="deadlock",
         definition="Several egos stand in a cycle, each because of the next.",
         unit="s",

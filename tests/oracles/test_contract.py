@@ -9,6 +9,7 @@ from drivora_service.oracles.deadlock import Deadlock
 from drivora_service.oracles.destination import Destination
 from drivora_service.oracles.discomfort import Discomfort
 from drivora_service.oracles.failure_to_yield import FailureToYield
+from drivora_service.oracles.junction_blocking import JunctionBlocking
 from drivora_service.oracles.lane_keeping import LaneKeeping
 from drivora_service.oracles.minimum_speed import MinimumSpeed
 from drivora_service.oracles.near_miss import NearMiss
@@ -67,6 +68,11 @@ class TestSpeeding(OracleContract):
 class TestBlocked(OracleContract):
     def make_oracle(self) -> Oracle:
         return Blocked()
+
+
+class TestJunctionBlocking(OracleContract):
+    def make_oracle(self) -> Oracle:
+        return JunctionBlocking()
 
 
 class TestDeadlock(OracleContract):
