@@ -10,7 +10,7 @@ from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import TerminalEvent
 from drivora_service.oracles.blocked import STANDING_SPEED
-from drivora_service.oracles.junction_stands.reasons import entered_blocked, excused_rows
+from drivora_service.oracles.junction_stands.reasons import entered_without_room, excused_rows
 from drivora_service.oracles.junction_stands.stands import JunctionStand, find_junction_stands
 from drivora_service.oracles.junction_stands.waiting import waiting_vehicles
 from drivora_service.oracles.verdict import (
@@ -92,7 +92,7 @@ class JunctionBlocking:
             one for one in waiting_vehicles(ego, stand, rows) if one.seconds >= self.waiting - 1e-9
         ]
         seconds = float(clock[-1])
-        why = "having entered it without room behind it" if entered_blocked(ego, stand) else ""
+        why = "having entered it without room behind it" if entered_without_room(ego, stand) else ""
         held = ", ".join(f"{one.id} for {one.seconds:.1f} s" for one in others)
         return violated(
             self.name,

@@ -2,38 +2,29 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import shapely
-from numpy.typing import NDArray
-from shapely import LineString, Point
-from shapely.geometry.base import BaseGeometry
 from shapely.ops import substring
 
-from drivora_service.geometry.angles import wrap_angle
 from drivora_service.geometry.array_shapes import BoolArray, IntArray
-from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.right_of_way import Movement, right_of_way
-from drivora_service.observations.leaders import SAME_WAY, VEHICLES
+from drivora_service.observations.leaders import VEHICLES
 from drivora_service.observations.recorded_signals import signal_in_run
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import LEVEL_GAP, Actor, Col, EgoCol, Light, Role
-from drivora_service.oracles.junction_stands.stands import STRIP, JunctionStand, line_through
+from drivora_service.observations.trace import Col, EgoCol, Light, Role
+from drivora_service.oracles.junction_stands.paths import line_through
+from drivora_service.oracles.junction_stands.room import (
+    QUEUE_GAP,
+    boxes_of,
+    corridor_of,
+    enters_without_room,
+    on_level,
+)
+from drivora_service.oracles.junction_stands.stands import STRIP, JunctionStand
 
 _MOVING = 0.5
 """m/s from which on an actor is taken to be coming."""
-
-_QUEUE_GAP = 2.0
-"""Metres between vehicles that stand one behind the other."""
-
-_QUEUE_SPEED = 1.0
-"""m/s up to which a vehicle ahead is part of a queue, as in ``law_53_blocked_junction``."""
-
-_NOTICE = 2.0
-"""Seconds before its front passes the line by which an ego must have seen that its exit is not
-free: it takes as long to notice that and to stop, as for a yellow light."""
 
 _APPROACH = 150.0
 """Metres before a junction within which vehicles are taken to be coming to it."""
@@ -52,7 +43,7 @@ def excused_rows(ego: EgoView, stand: JunctionStand, *, headway: float) -> BoolA
     """
     rows = ego.first + np.array(stand.rows)
     excused = _coming_first(ego, stand, rows, headway) | _walkers_ahead(ego, stand, rows)
-    if not entered_blocked(ego, stand):
+    if not entered_without_room(ego, stand):
         excused |= _in_the_way(ego, stand, rows)
     lights = ego.lights[list(stand.rows)]
     distance = ego.value(EgoCol.LIGHT_DISTANCE)[list(stand.rows)]
@@ -64,80 +55,43 @@ def excused_rows(ego: EgoView, stand: JunctionStand, *, headway: float) -> BoolA
     return excused
 
 
-def entered_blocked(ego: EgoView, stand: JunctionStand) -> bool:
-    """Returns whether an ego entered a junction although there was no room for it behind it.
-
-    That is so if a vehicle, or anything else, already stood on its way, and the room before it was
-    too short for the ego and for those that drove between them.
-    """
+def entered_without_room(ego: EgoView, stand: JunctionStand) -> bool:
+    """Returns whether an ego entered the junction although there was no room for it behind it."""
     if stand.entered is None or stand.movement is None:
         return False
-    notice = max(stand.entered - round(_NOTICE / ego.step_length), 0)
-    return all(_exit_is_full(ego, stand, row) for row in (notice, stand.entered))
-
-
-def _exit_is_full(ego: EgoView, stand: JunctionStand, row: int) -> bool:
-    step = ego.first + row
-    steps = np.array([step])
-    start = float(stand.way.project(Point(*ego.location(row)))) + 0.5 * ego.actor.length
-    corridor = _corridor(ego, stand, start, stand.way.length)
-    found = []
-    for actor in ego.trace.actors:
-        if actor.row == ego.row or actor.role is Role.NPC_WALKER:
-            continue
-        if not ego.trace.present[step, actor.row] or not _on_level(ego, actor, steps, row)[0]:
-            continue
-        box = _boxes(ego, actor, steps)[0]
-        if corridor.intersects(box):
-            corners = shapely.points(shapely.get_coordinates(box)[:4])
-            rear = float(shapely.line_locate_point(stand.way, corners).min())
-            found.append((rear, actor))
-    needed = ego.actor.length
-    for rear, actor in sorted(found, key=lambda one: one[0]):
-        if float(ego.trace.speeds(actor.row)[step]) <= _QUEUE_SPEED:
-            return rear - stand.behind < needed
-        if _goes_along(stand.way, rear, float(ego.trace.states[step, actor.row, Col.YAW])):
-            needed += actor.length + _QUEUE_GAP
-    return False
-
-
-def _goes_along(way: LineString, s: float, yaw: float) -> bool:
-    """Returns whether a heading is that of the way at a place, as of one that drives ahead."""
-    here, further = way.interpolate(s), way.interpolate(s + 1.0)
-    ahead = math.atan2(further.y - here.y, further.x - here.x)
-    return abs(wrap_angle(yaw - ahead)) <= SAME_WAY
+    return enters_without_room(ego, stand.path, stand.entered)
 
 
 def _needed(ego: EgoView, stand: JunctionStand) -> float:
     """Returns the metres by which the ego must advance to leave the junction."""
-    return max(stand.behind + ego.actor.length - stand.front, 0.0)
+    return max(stand.path.behind + ego.actor.length - stand.front, 0.0)
 
 
 def _in_the_way(ego: EgoView, stand: JunctionStand, rows: IntArray) -> BoolArray:
     """Returns the rows in which an actor is in the way out of the junction."""
-    end = stand.front + _needed(ego, stand) + _QUEUE_GAP
-    corridor = _corridor(ego, stand, stand.front, end)
+    end = stand.front + _needed(ego, stand) + QUEUE_GAP
+    corridor = corridor_of(ego, stand.path.line, stand.front, end)
     shapely.prepare(corridor)
     found = np.zeros(len(rows), dtype=np.bool_)
     for actor in ego.trace.actors:
         if actor.row != ego.row:
             here = ego.trace.present[rows, actor.row]
-            here &= _on_level(ego, actor, rows, stand.rows[0])
-            found[here] |= shapely.intersects(corridor, _boxes(ego, actor, rows[here]))
+            here &= on_level(ego, actor, rows, stand.rows[0])
+            found[here] |= shapely.intersects(corridor, boxes_of(ego.trace, actor, rows[here]))
     return found
 
 
 def _walkers_ahead(ego: EgoView, stand: JunctionStand, rows: IntArray) -> BoolArray:
     """Returns the rows in which a walker is in the way out, or about to be."""
-    end = stand.front + _needed(ego, stand) + _QUEUE_GAP
-    corridor = _corridor(ego, stand, stand.front, end)
+    end = stand.front + _needed(ego, stand) + QUEUE_GAP
+    corridor = corridor_of(ego, stand.path.line, stand.front, end)
     found = np.zeros(len(rows), dtype=np.bool_)
     for actor in ego.trace.actors:
         if actor.role is not Role.NPC_WALKER:
             continue
         states = ego.trace.states[rows, actor.row]
         here = ego.trace.present[rows, actor.row]
-        here &= _on_level(ego, actor, rows, stand.rows[0])
+        here &= on_level(ego, actor, rows, stand.rows[0])
         for seconds in np.arange(0.0, _STEP_ASIDE + 0.5, 0.5):
             x = states[here, Col.X] + seconds * states[here, Col.VX]
             y = states[here, Col.Y] + seconds * states[here, Col.VY]
@@ -151,7 +105,9 @@ def _coming_first(ego: EgoView, stand: JunctionStand, rows: IntArray, headway: f
     if stand.movement is None:
         return found
     table = right_of_way(ego.network)
-    ahead = substring(stand.way, stand.front - ego.actor.length, stand.behind).buffer(STRIP)
+    ahead = substring(stand.path.line, stand.front - ego.actor.length, stand.path.behind).buffer(
+        STRIP
+    )
     first = [table.by_lane[lane] for lane in stand.movement.yields_to if lane in table.by_lane]
     crossing = [
         foe for foe in first if line_through(ego.network, foe.lanes).buffer(STRIP).intersects(ahead)
@@ -206,28 +162,3 @@ def _red(ego: EgoView, foe: Movement, rows: IntArray) -> BoolArray:
                 if shown is not None:
                     red = shown[rows] == Light.RED
     return red
-
-
-def _corridor(ego: EgoView, stand: JunctionStand, start: float, end: float) -> BaseGeometry:
-    """Returns the area that the ego needs along a part of its way."""
-    part = substring(stand.way, min(start, stand.way.length), end)
-    if not isinstance(part, LineString):
-        return Point()
-    return part.buffer(0.5 * ego.actor.width, cap_style="flat")
-
-
-def _boxes(ego: EgoView, actor: Actor, rows: IntArray) -> NDArray[np.object_]:
-    """Returns the (k,) boxes of an actor in rows of the trace in which it is present."""
-    states = ego.trace.states[rows, actor.row]
-    corners = box_corners(
-        states[:, Col.X], states[:, Col.Y], states[:, Col.YAW], actor.length, actor.width
-    )
-    boxes: NDArray[np.object_] = np.asarray(shapely.polygons(corners))
-    return boxes
-
-
-def _on_level(ego: EgoView, actor: Actor, rows: IntArray, row: int) -> BoolArray:
-    """Returns whether an actor is on the level of the ego in rows of the trace."""
-    height = ego.states[row, Col.Z]
-    level: BoolArray = np.abs(ego.trace.states[rows, actor.row, Col.Z] - height) <= LEVEL_GAP
-    return level

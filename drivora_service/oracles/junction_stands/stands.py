@@ -14,6 +14,12 @@ from drivora_service.networks.right_of_way import Movement, right_of_way
 from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Col
+from drivora_service.oracles.junction_stands.paths import (
+    JunctionPath,
+    line_through,
+    path_of,
+    path_straight_on,
+)
 from drivora_service.oracles.stretches import stretches
 
 STRIP = 1.0
@@ -25,9 +31,6 @@ post-encroachment times: ways that join at less are those of lanes that end."""
 
 _ONE_PLACE = 1.0
 """Metres; an ego that advances by less between two stops has not left the place."""
-
-_AHEAD = 80.0
-"""Metres behind a junction up to which the way is followed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,9 +44,8 @@ class JunctionStand:
         entered: Row in which its front passed the stop line; None if it began behind the line.
         box: Its box.
         crossing: Movements of others that lead over this place.
-        way: Middle of its way from the lane before the junction on, metres.
-        front: Metres along ``way`` to its front.
-        behind: Metres along ``way`` to the first lane behind the junction.
+        path: Its way through the junction.
+        front: Metres along that way to its front.
     """
 
     junction: str
@@ -52,9 +54,8 @@ class JunctionStand:
     entered: int | None
     box: Polygon
     crossing: tuple[Movement, ...]
-    way: LineString
+    path: JunctionPath
     front: float
-    behind: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -89,12 +90,6 @@ def find_junction_stands(ego: EgoView, *, standing_speed: float) -> tuple[Juncti
         for rows in _places(ego, standing_speed)
         if (stand := _find_stand(ego, rows)) is not None
     )
-
-
-def line_through(network: RoadNetwork, lanes: tuple[int, ...]) -> LineString:
-    """Returns the middle of lanes that lead into one another."""
-    points = np.concatenate([network.lanes[lane].shape for lane in lanes])
-    return LineString(points[np.concatenate(([True], np.any(np.diff(points, axis=0), axis=1)))])
 
 
 def _places(ego: EgoView, standing_speed: float) -> list[tuple[int, ...]]:
@@ -136,7 +131,7 @@ def _find_stand(ego: EgoView, rows: tuple[int, ...]) -> JunctionStand | None:
     )
     if not crossing:
         return None
-    way, behind = _way(ego, movement, row)
+    path = path_of(ego.network, movement) if movement else path_straight_on(ego, row)
     x, y = ego.location(row)
     return JunctionStand(
         junction=junction,
@@ -145,9 +140,8 @@ def _find_stand(ego: EgoView, rows: tuple[int, ...]) -> JunctionStand | None:
         entered=entered,
         box=box,
         crossing=crossing,
-        way=way,
-        front=float(way.project(Point(x, y))) + 0.5 * ego.actor.length,
-        behind=behind,
+        path=path,
+        front=float(path.line.project(Point(x, y))) + 0.5 * ego.actor.length,
     )
 
 
@@ -186,29 +180,6 @@ def _heading_before(ego: EgoView, movement: Movement | None, row: int) -> float:
 
 def _end_heading(lane: Lane) -> float:
     return lane.position_at(float(lane.arc[-1]))[2]
-
-
-def _way(ego: EgoView, movement: Movement | None, row: int) -> tuple[LineString, float]:
-    """Returns the ego's way, and the metres along it to the first lane behind the junction."""
-    network = ego.network
-    if movement is None:
-        x, y = ego.location(row)
-        yaw = float(ego.states[row, Col.YAW])
-        ahead = (x + _AHEAD * math.cos(yaw), y + _AHEAD * math.sin(yaw))
-        return LineString([(x, y), ahead]), 0.5 * _AHEAD
-    before = (movement.incoming,) if movement.incoming >= 0 else ()
-    behind = line_through(network, (*before, *movement.lanes)).length
-    lanes = [*before, *movement.lanes]
-    length = 0.0
-    while length < _AHEAD and network.lanes[lanes[-1]].connections:
-        connections = network.lanes[lanes[-1]].connections
-        straight = [one for one in connections if one.direction == "s"]
-        following = (straight or list(connections))[0].to_lane
-        if following in lanes:
-            break
-        lanes.append(following)
-        length += float(network.lanes[following].arc[-1])
-    return line_through(network, tuple(lanes)), behind
 
 
 @lru_cache(maxsize=16)

@@ -17,7 +17,8 @@ from drivora_service.observations.leaders import VEHICLES
 from drivora_service.observations.recorded_signals import signal_in_run
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import LEVEL_GAP, Actor, Col, Light
-from drivora_service.oracles.junction_stands.stands import STRIP, JunctionStand, line_through
+from drivora_service.oracles.junction_stands.paths import line_through
+from drivora_service.oracles.junction_stands.stands import STRIP, JunctionStand
 
 _REACH = 25.0
 """Metres along its way from a vehicle's front to the ego within which it may be waiting for it."""

@@ -12,6 +12,7 @@ from shapely import LineString, line_locate_point, points
 
 from drivora_service.geometry.angles import wrap_angle
 from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.networks.right_of_way import right_of_way
 from drivora_service.networks.stop_lines import WayThrough, stop_lines
 from drivora_service.observations.line_crossings import Crossing
 from drivora_service.observations.recorded_signals import signal_shown
@@ -20,6 +21,8 @@ from drivora_service.observations.trace import Col, Light
 from drivora_service.observations.yielding.conflict import Conflict
 from drivora_service.observations.yielding.vehicle_conflicts import vehicle_conflicts
 from drivora_service.observations.yielding.walker_conflicts import walker_conflicts
+from drivora_service.oracles.junction_stands.paths import path_of
+from drivora_service.oracles.junction_stands.room import enters_without_room
 
 _ATTENTION = 4.0
 """Seconds after the ego's passage within which others count, as in ``failure_to_yield``."""
@@ -114,6 +117,21 @@ def wrong_lane(ego: EgoView) -> FloatArray:
     lines = stop_lines(ego.network)
     for crossing, way in _find_movements(ego):
         if way not in lines.ways[crossing.line]:
+            rows[_through(ego, crossing, way)] = 1.0
+    return rows
+
+
+def entered_without_room(ego: EgoView) -> FloatArray:
+    """Returns the (n,) rows in a junction that the ego entered without room for it behind it."""
+    rows = np.zeros(ego.count)
+    if not ego.network.path.is_file():
+        return rows
+    table = right_of_way(ego.network).by_lane
+    for crossing, way in _find_movements(ego):
+        movement = table.get(way.inside[-1])
+        if movement is not None and enters_without_room(
+            ego, path_of(ego.network, movement), crossing.front
+        ):
             rows[_through(ego, crossing, way)] = 1.0
     return rows
 

@@ -15,6 +15,7 @@ from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Light
 from drivora_service.oracles.laws.junction_signals import (
     at_signal,
+    entered_without_room,
     junction_distance,
     turn_angle,
     turned,
@@ -142,6 +143,12 @@ SIGNALS: tuple[Signal, ...] = (
         "The ego's movement through the junction is not permitted from the lane that it came in "
         "on, over the same rows.",
         wrong_lane,
+    ),
+    flag(
+        "entered_without_room",
+        "The ego's movement through the junction began although what stood on its way left no room "
+        "for it behind the junction, over the same rows.",
+        entered_without_room,
     ),
     measure(
         "yield_gap",

@@ -335,6 +335,22 @@ class TestLaw53:
         found = judge_on(TOWN, self.blocked, ego, others=[other])[0].outcome
         assert (found is Outcome.VIOLATED) is broken
 
+    @pytest.mark.parametrize(
+        ("stopped", "broken"), [(0.0, True), (6.0, False)], ids=["before", "after the ego entered"]
+    )
+    def test_a_queue_round_the_corner(self, stopped: float, broken: bool) -> None:
+        """The vehicle ahead is not in front of the ego, which turns left behind it."""
+        line = way(TOWN, "harbour_0_0", "mill_1_0")
+        before = float(TOWN.lane("harbour_0_0").arc[-1])
+        times = np.arange(400) * 0.05
+        fronts = np.minimum(before + 9.0 + 6.0 * (times - 4.0), before + 9.0)
+        full = before + 17.0 + LENGTH + 2.0
+        ahead = np.minimum(full + 6.0 * (times - stopped), full)
+        ego = on_network(TOWN, along(line, fronts))
+        others = [SyntheticActor(motion=along(line, ahead))]
+        found = judge_on(TOWN, self.blocked, ego, others=others)[0].outcome
+        assert (found is Outcome.VIOLATED) is broken
+
 
 def _points(lane: Lane, s: np.ndarray) -> np.ndarray:
     arc, shape = lane.arc, lane.shape
