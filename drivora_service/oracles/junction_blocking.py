@@ -12,7 +12,7 @@ from drivora_service.observations.trace import TerminalEvent
 from drivora_service.oracles.blocked import STANDING_SPEED
 from drivora_service.oracles.junction_stands.reasons import entered_without_room, excused_rows
 from drivora_service.oracles.junction_stands.stands import JunctionStand, find_junction_stands
-from drivora_service.oracles.junction_stands.waiting import waiting_vehicles
+from drivora_service.oracles.junction_stands.waiting_vehicles import waiting_vehicles
 from drivora_service.oracles.verdict import (
     Severity,
     Verdict,
