@@ -13,6 +13,7 @@ from drivora_service.geometry.angles import wrap_angle
 from drivora_service.networks.right_of_way import Movement, right_of_way
 from drivora_service.networks.road_network import Lane, RoadNetwork
 from drivora_service.observations.run_view import EgoView
+from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import Col
 from drivora_service.oracles.junction_stands.paths import (
     JunctionPath,
@@ -20,7 +21,6 @@ from drivora_service.oracles.junction_stands.paths import (
     path_of,
     path_straight_on,
 )
-from drivora_service.oracles.stretches import stretches
 
 STRIP = 1.0
 """Metres to either side of the middle of a way that a car needs on it: half the width of one."""
