@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -11,77 +10,12 @@ from statistics import median
 import numpy as np
 
 from drivora_service.agents.entry import AgentEntry
+from drivora_service.benchmarking.benchmark_run import COLLISION, RED_LIGHT, BenchmarkRun
 from drivora_service.metrics.aggregates import benchmark_scores
-from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.oracles.verdicts.accountability import Accountability, accountability
 from drivora_service.runs.run_report import RunStatus
-from drivora_service.store.runs.run_records import RunRecord
-
-COLLISION = "collision"
-RED_LIGHT = "red_light"
-DESTINATION = "destination"
 
 _AGENTS_OWN = frozenset({RunStatus.AGENT_FAILED, RunStatus.TIMED_OUT})
 """Statuses of runs that are the agent's fault."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BenchmarkRun:
-    """A run of the benchmark that has ended.
-
-    Attributes:
-        network: Network of the run.
-        number: Number of its scenario among those of the network, from 1.
-    """
-
-    network: str
-    number: int
-    record: RunRecord
-
-    @property
-    def name(self) -> str:
-        """Name of its scenario."""
-        return f"{self.network}-{self.number:02d}"
-
-    @property
-    def finished(self) -> bool:
-        """Whether it was judged."""
-        return self.record.status is RunStatus.FINISHED
-
-    @property
-    def arrived(self) -> bool:
-        """Whether the ego reached its destination in time."""
-        return any(
-            v.oracle == DESTINATION and v.outcome is Outcome.PASSED for v in self.record.verdicts
-        )
-
-    @property
-    def violations(self) -> tuple[Verdict, ...]:
-        """The violations."""
-        return tuple(v for v in self.record.verdicts if v.outcome is Outcome.VIOLATED)
-
-    @property
-    def agent_cost_us(self) -> float | None:
-        """Wall microseconds of the agent in a step; ``None`` if no agent drove."""
-        costs = self.record.agent_cost_us.values()
-        return math.fsum(costs) if costs else None
-
-    def metric(self, name: str) -> float | None:
-        """Returns a metric; ``None`` if it was not measurable."""
-        value = self.record.metrics.get(name)
-        return value if value is not None and math.isfinite(value) else None
-
-    def has_violated(self, oracle: str, *, at_fault: bool = False) -> bool:
-        """Returns whether the ego violated an oracle; with ``at_fault``, whether at its fault."""
-        return any(v.oracle == oracle and (not at_fault or v.at_fault) for v in self.violations)
-
-    @property
-    def collided_avoidably(self) -> bool:
-        """Whether a collision was the ego's fault, and avoidable."""
-        return any(
-            v.oracle == COLLISION and accountability(v) is Accountability.AVOIDABLE
-            for v in self.violations
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -210,7 +144,7 @@ class AgentCard:
     @property
     def failed_otherwise(self) -> int:
         """The number of runs that failed without the agent's fault."""
-        return sum(not run.finished and run.record.status not in _AGENTS_OWN for run in self.runs)
+        return sum(not run.is_judged and run.record.status not in _AGENTS_OWN for run in self.runs)
 
 
 def card_of(agent: AgentEntry, runs: Iterable[BenchmarkRun]) -> AgentCard:
@@ -231,7 +165,7 @@ def card_of(agent: AgentEntry, runs: Iterable[BenchmarkRun]) -> AgentCard:
             NetworkFigures(network=network, figures=figures_of(own))
             for network, own in by_network.items()
         ),
-        violated=_count_violated_oracles(ordered),
+        violated=_count_violated_oracles([run for run in ordered if run.is_judged]),
         failures=_failures(ordered),
         runs=ordered,
         shown=worst_run(ordered),
@@ -240,7 +174,7 @@ def card_of(agent: AgentEntry, runs: Iterable[BenchmarkRun]) -> AgentCard:
 
 def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
     """Returns the aggregates of runs."""
-    judged = [run for run in runs if run.finished]
+    judged = [run for run in runs if run.is_judged]
     costs = [cost for run in judged if (cost := run.record.step_cost_us) is not None]
     typical, p95 = np.percentile(costs, (50.0, 95.0)) if costs else (None, None)
     own = [cost for run in judged if (cost := run.agent_cost_us) is not None]
@@ -286,7 +220,7 @@ def worst_run(runs: Iterable[BenchmarkRun]) -> BenchmarkRun | None:
             run.record.sim_time_s or 0.0,
         )
 
-    return max((run for run in runs if run.finished), key=badness, default=None)
+    return max((run for run in runs if run.is_judged), key=badness, default=None)
 
 
 def _count_violated_oracles(runs: Sequence[BenchmarkRun]) -> tuple[ViolatedOracle, ...]:
@@ -313,14 +247,14 @@ def _count_violated_oracles(runs: Sequence[BenchmarkRun]) -> tuple[ViolatedOracl
 def _failures(runs: Sequence[BenchmarkRun]) -> tuple[FailureCause, ...]:
     groups: dict[tuple[RunStatus, str], list[BenchmarkRun]] = defaultdict(list)
     for run in runs:
-        if not run.finished:
-            groups[run.record.status, run.record.cause].append(run)
+        if not run.is_judged:
+            groups[run.record.status, run.cause].append(run)
     told = [
         FailureCause(
             status=status,
             cause=cause,
             runs=len(failed),
-            example="" if failed[0].record.error is None else failed[0].record.error.message,
+            example=failed[0].reason,
             example_run=failed[0].name,
         )
         for (status, cause), failed in groups.items()

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from drivora_service.agents.entry import AgentEntry
-from drivora_service.benchmarking.card import AgentCard, BenchmarkRun
+from drivora_service.benchmarking.benchmark_run import BenchmarkRun
+from drivora_service.benchmarking.card import AgentCard
 from drivora_service.benchmarking.card_courses import COURSES, VERSION
 from drivora_service.benchmarking.card_text import card_markdown, cards_markdown
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from drivora_service.agents.entry import AgentEntry
-from drivora_service.benchmarking.card import AgentCard, BenchmarkRun, Figures
+from drivora_service.benchmarking.benchmark_run import BenchmarkRun
+from drivora_service.benchmarking.card import AgentCard, Figures
 from drivora_service.benchmarking.card_courses import COURSES, VERSION
 from drivora_service.markdown_text import Markdown, table
 

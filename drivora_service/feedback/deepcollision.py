@@ -35,7 +35,8 @@ class DeepcollisionFeedback:
 
 def _safety(ego: EgoView) -> float:
     trace = ego.trace
-    if any(contact.ego == ego.row for contact in trace.contacts):
+    # Those that the simulator made are not in its part.
+    if any(c.ego == ego.row and c.step < ego.first + ego.count for c in trace.contacts):
         return 0.0
     rows = slice(ego.first, ego.first + ego.count)
     risks = collision_probability(trace.states[rows], trace.present[rows], trace.actors, ego.row)

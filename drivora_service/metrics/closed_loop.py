@@ -45,10 +45,17 @@ Parts = Mapping[str, float | None]
 
 
 def measure_closed_loop(run: RunView, judgements: tuple[Judgement, ...]) -> tuple[Measured, ...]:
-    """Measures nuPlan's closed-loop score and its parts, each 0..1."""
+    """Measures nuPlan's closed-loop score and its parts, each 0..1.
+
+    An ego whose part an artefact of the simulator ended has no score, and no measured progress.
+    """
     parts = [_parts(ego, j) for ego, j in zip(run.egos, judgements, strict=True)]
+    scores = [
+        None if ego.artefact is not None else closed_loop_score(own)
+        for ego, own in zip(run.egos, parts, strict=True)
+    ]
     return (
-        _make_measured("nuplan_closed_loop", [closed_loop_score(own) for own in parts]),
+        _make_measured("nuplan_closed_loop", scores),
         *(_make_measured(name, [own[name] for own in parts]) for name in (*MULTIPLIERS, *WEIGHTS)),
     )
 
@@ -77,7 +84,7 @@ def _make_measured(name: str, values: Sequence[float | None]) -> Measured:
 
 def _parts(ego: EgoView, judgement: Judgement) -> Parts:
     at_fault = _at_fault(judgement)
-    compared = free_flow(ego) if ego.count else None
+    compared = free_flow(ego) if ego.count and ego.artefact is None else None
     progress = None if compared is None else compared.ratio
     return {
         NO_COLLISION: None if at_fault is None else _no_collision(at_fault),

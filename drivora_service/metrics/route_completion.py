@@ -13,13 +13,16 @@ from drivora_service.oracles.verdict import Outcome
 def route_completion(ego: EgoView, judgement: Judgement) -> float | None:
     """Returns per cent of the route (Leaderboard): 100 on arrival, 0 for an ego that never started.
 
-    The first deviation from the route ends the completion.
+    The first deviation from the route ends the completion. ``None`` if an artefact of the simulator
+    kept the ego from arriving: how far it would have come is not known.
     """
     if not ego.count:
         return 0.0
     arrival = judgement.by("destination")
     if arrival and arrival[0].outcome is Outcome.PASSED:
         return 100.0
+    if ego.artefact is not None:
+        return None
     last = ego.count
     for deviation in judgement.violations("route_deviation") or ():
         if deviation.step is not None:

@@ -20,7 +20,8 @@ def success(judgement: Judgement) -> float | None:
     Collisions without the ego's fault are infractions too, as in that benchmark.
 
     Returns:
-        ``None`` if the ego arrived and an oracle was not measurable, or arrival was not judged.
+        ``None`` if the ego arrived and an oracle was not measurable, or arrival was not judged, or
+        not measurable: an artefact of the simulator ended the run.
     """
     arrival = judgement.by("destination")
     if arrival is None:

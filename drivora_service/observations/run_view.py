@@ -15,6 +15,7 @@ from drivora_service.geometry.outlines import box_corners
 from drivora_service.networks.drivable_area import outside_distance
 from drivora_service.networks.lane_bends import tangent_gap
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.observations.artefacts import Artefact, spoiling_artefact
 from drivora_service.observations.motion import FilteredMotion, filter_motion
 from drivora_service.observations.proximity import Proximity, look_around
 from drivora_service.observations.trace import Actor, Col, EgoCol, EgoRoute, TerminalEvent, Trace
@@ -37,7 +38,8 @@ class EgoView:
     """An ego's part of a run: from its start time to the end of its part.
 
     All arrays have n rows; row ``k`` here is row ``first + k`` of the trace. n is 0 for an ego
-    whose part never began.
+    whose part never began. A part that an artefact of the simulator spoilt ends in the row before
+    it, which is the last that says something about the ego.
 
     Attributes:
         trace: The whole run.
@@ -45,6 +47,7 @@ class EgoView:
         row: Row of the ego in the trace.
         first: Row of the trace with which the arrays begin.
         count: Number n of rows.
+        artefact: The contact that spoilt its part, made by the simulator; ``None`` for none.
         times: Seconds.
         states: (n, 9) columns ``Col``.
         values: (n, 8) columns ``EgoCol``.
@@ -62,6 +65,10 @@ class EgoView:
         gone = np.flatnonzero(~trace.present[start:stop, row])
         if len(gone):
             stop = start + int(gone[0])
+        self.artefact: Artefact | None = spoiling_artefact(trace, row, start, stop)
+        if self.artefact is not None:
+            # One row is left to an ego that was placed in another actor.
+            stop = max(self.artefact.step, start + 1)
         part = slice(start, max(stop, start))
         self.trace = trace
         self.network = network

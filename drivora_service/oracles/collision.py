@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from drivora_service.observations.artefacts import Artefact, counterpart
 from drivora_service.observations.run_view import EgoView, RunView
-from drivora_service.observations.trace import Actor, Contact
+from drivora_service.observations.trace import Actor
 from drivora_service.oracles.avoidability.assess import assess
 from drivora_service.oracles.responsibility import nuplan
 from drivora_service.oracles.responsibility.finding import Fault, Finding
 from drivora_service.oracles.responsibility.impact import Impact, find_impact
 from drivora_service.oracles.responsibility.responsibility_judging import find_responsible
-from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
+from drivora_service.oracles.verdict import Outcome, Verdict, not_started, passed, violated
+from drivora_service.oracles.verdicts.artefact_verdicts import ARTEFACT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,7 +36,8 @@ class Collision:
     """Violated where the ego's box overlaps another actor's; the same actor counts once.
 
     The responsible party follows from a table of rules, judged by the evidence in the trace: see
-    ``oracles/responsibility`` and the reference. Where no rule decides, it is undetermined.
+    ``oracles/responsibility`` and the reference. Where no rule decides, it is undetermined. Not
+    measurable where the first contact is an artefact of the simulator.
 
     Attributes:
         standing_speed: m/s up to which an actor stands (nuPlan).
@@ -56,6 +59,8 @@ class Collision:
     def _judge(self, ego: EgoView) -> list[Verdict]:
         if not ego.count:
             return [not_started(self.name, ego)]
+        if ego.artefact is not None:
+            return [self._spoilt(ego, ego.artefact)]
         verdicts = [self._verdict(ego, found) for found in self.find_collisions(ego)]
         return verdicts or [passed(self.name, ego, "No collision.")]
 
@@ -67,7 +72,7 @@ class Collision:
         trace = ego.trace
         met: set[int] = set()
         for contact in trace.contacts:
-            row = _other(contact, ego.row)
+            row = counterpart(contact, ego.row)
             k = contact.step - ego.first
             if row is None or row in met or not 0 <= k < ego.count:
                 continue
@@ -78,6 +83,36 @@ class Collision:
                 trace, ego.network, ego.actor, other, contact.step, impact, self.standing_speed
             )
             yield FoundCollision(k=k, other=other, impact=impact, finding=finding)
+
+    def _spoilt(self, ego: EgoView, artefact: Artefact) -> Verdict:
+        """Returns the verdict on an ego that the simulator had collide.
+
+        It is no violation, so that no count, list or score has it.
+        """
+        trace, step, other = ego.trace, artefact.step, artefact.other
+        time = float(trace.times[step])
+        impact = find_impact(trace, ego.actor, other, step)
+        return Verdict(
+            oracle=self.name,
+            ego=ego.id,
+            outcome=Outcome.NOT_MEASURABLE,
+            message=f"Artefact of the simulation at {time:.2f} s, not the ego's fault: "
+            f"{artefact.in_words}. The ego has no scores in this run.",
+            at_fault=False,
+            counterpart=other.id,
+            evidence={
+                ARTEFACT: str(artefact.kind),
+                "artefact_time": time,
+                "artefact_step": step,
+                "counterpart": other.id,
+                "counterpart_role": str(other.role),
+                "reason": artefact.in_words,
+                "rule": "appeared",
+                "face": str(impact.face),
+                "other_face": str(impact.other_face),
+                "nuplan_at_fault": False,
+            },
+        )
 
     def _verdict(self, ego: EgoView, collision: FoundCollision) -> Verdict:
         k, other = collision.k, collision.other
@@ -114,9 +149,3 @@ class Collision:
                 off_road=self.off_road,
             ),
         )
-
-
-def _other(contact: Contact, row: int) -> int | None:
-    if contact.ego == row:
-        return contact.other
-    return contact.ego if contact.other == row else None

@@ -11,12 +11,21 @@ from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import Col, EgoCol, TerminalEvent
 from drivora_service.oracles.blocked import STANDING_SPEED, waiting_at_signal
-from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
+from drivora_service.oracles.verdict import (
+    Severity,
+    Verdict,
+    not_measurable,
+    not_started,
+    passed,
+    violated,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Destination:
     """Violated if the ego does not reach the end of its route within the time limit.
+
+    Not measurable if an artefact of the simulator ended its part before that.
 
     Arrival and the time limit, counted from the ego's start time, are those of CARLA Leaderboard.
     Its clock pauses while the ego waits at a signal that is not green, as that of ``Blocked``.
@@ -93,6 +102,13 @@ class Destination:
             return passed(self.name, ego, "Left the road at the end of its route.", **facts)
         ended = f"{away[-1]:.1f} m from the goal after {elapsed[-1]:.1f} s"
         late = np.flatnonzero(elapsed > limits - 1e-9)
+        if ego.artefact is not None and not len(late):
+            return not_measurable(
+                self.name,
+                ego,
+                f"Not arrived: an artefact of the simulation ended its part {ended}.",
+                **facts,
+            )
         if ego.end is TerminalEvent.TIME_LIMIT or len(late):
             k = int(late[0]) if len(late) else ego.count - 1
             message = f"Not arrived within the time limit: {ended}; the limit is {limit:.1f} s."

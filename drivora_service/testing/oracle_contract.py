@@ -121,6 +121,7 @@ def example_runs() -> tuple[Trace, ...]:
         _wild(),
         _past_a_walker(),
         _cut_short(),
+        _jumped_into(),
         _single_row(),
         _off_everything(),
         _never_started(),
@@ -209,6 +210,23 @@ def _cut_short() -> Trace:
     )
     other = SyntheticActor(motion=Motion.steady(44.0, 0.0, steps=200))
     trace = make_trace([ego], [other])
+    return with_contact(trace, step=99, ego=0, other=1)
+
+
+def _jumped_into() -> Trace:
+    """An ego into which a vehicle of the next lane is moved in one step, as SUMO may do."""
+    ego = SyntheticEgo(
+        motion=Motion.steady(0.0, 0.0, steps=200, speed=8.0),
+        lane=EAST,
+        lane_lateral=0.0,
+        lane_heading=0.0,
+        speed_limit=10.0,
+        end=TerminalEvent.COLLISION,
+        end_step=99,
+    )
+    jumping = Motion.steady(1.0, 3.5, steps=200, speed=8.0)
+    jumping.states[99:, 1] -= 3.5
+    trace = make_trace([ego], [SyntheticActor(motion=jumping)])
     return with_contact(trace, step=99, ego=0, other=1)
 
 

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from drivora_service.agents.entry import AgentEntry, AgentKind
-from drivora_service.benchmarking.card import BenchmarkRun
+from drivora_service.benchmarking.benchmark_run import BenchmarkRun
 from drivora_service.oracles.verdict import Answer, Outcome, Verdict
 from drivora_service.runs.run_report import RunFailure, RunStatus
 from drivora_service.store.runs.run_records import RunRecord

@@ -6,7 +6,8 @@ import pytest
 
 from drivora_service.benchmarking.card import card_of, figures_of, worst_run
 from drivora_service.benchmarking.card_text import COLUMNS, cells
-from drivora_service.oracles.verdict import Answer
+from drivora_service.oracles.verdict import Answer, Outcome, Verdict
+from drivora_service.oracles.verdicts.artefact_verdicts import ARTEFACT
 from drivora_service.runs.run_report import RunStatus
 from tests.benchmarking.made_up_runs import AGENT, failed, finished, violation
 
@@ -52,6 +53,27 @@ def test_a_failing_agent_scores_nothing_and_a_failing_machine_does_not_count() -
     assert figures_of((*RUNS, crashed)).driving_score == pytest.approx(250.0 / 5)
     hung = failed(6, RunStatus.TIMED_OUT, "wall_time_limit")
     assert figures_of((*RUNS, hung)).driving_score == pytest.approx(250.0 / 6)
+
+
+def test_a_run_that_the_simulator_spoilt_is_not_judged() -> None:
+    artefact = Verdict(
+        oracle="collision",
+        ego="ego_0",
+        outcome=Outcome.NOT_MEASURABLE,
+        message="npc jumped into the ego.",
+        at_fault=False,
+        evidence={ARTEFACT: "jumped"},
+    )
+    spoilt = finished(6, artefact, violation("red_light"), score=None, comfort=None)
+    card = card_of(AGENT, (*RUNS, spoilt))
+    plain = card_of(AGENT, RUNS)
+    assert card.total.judged == plain.total.judged
+    assert card.total.driving_score == plain.total.driving_score
+    assert card.total.red_lights == plain.total.red_lights
+    assert card.violated == plain.violated
+    assert card.failed_otherwise == 1
+    (cause,) = (one for one in card.failures if one.cause == "simulation_artefact")
+    assert (cause.runs, cause.example) == (1, "npc jumped into the ego.")
 
 
 def test_what_could_not_be_measured_is_none_and_never_zero() -> None:

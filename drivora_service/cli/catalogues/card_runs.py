@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drivora_service.agents.entry import AgentEntry, AgentKind
-from drivora_service.benchmarking.card import AgentCard, BenchmarkRun, card_of
+from drivora_service.benchmarking.benchmark_run import BenchmarkRun
+from drivora_service.benchmarking.card import AgentCard, card_of
 from drivora_service.benchmarking.card_courses import BenchmarkScenario
 from drivora_service.cli.terminal.output import find_entry, number, print_table
 from drivora_service.cli.terminal.trace_drawing import draw_trace

@@ -12,6 +12,7 @@ from drivora_service.cli.terminal.output import number, print_table
 from drivora_service.errors import Problem
 from drivora_service.oracles.verdict import Outcome, Severity, Verdict
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, Accountability, accountability
+from drivora_service.oracles.verdicts.artefact_verdicts import find_artefact_verdicts
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.shapes import adapter
 from drivora_service.store.runs.run_records import RunSummary
@@ -157,6 +158,8 @@ def summary(run: Run | None) -> str:
     ]
     seen = {verdict.oracle for verdict in violated if verdict.severity == Severity.OBSERVATION}
     text = ", ".join(named) or "none"
+    if find_artefact_verdicts(run.verdicts):
+        text += "; spoilt by the simulator"
     if seen:
         text += f"; observed: {', '.join(sorted(seen)).replace('_', ' ')}"
     return text
@@ -203,6 +206,8 @@ def _print_remarks(result: ScenarioResult) -> None:
             f"{result.scenario}: {ego} sees everything, not only what the perception model "
             "lets through"
         )
+    for verdict in find_artefact_verdicts(run.verdicts):
+        print(f"{result.scenario}: {verdict.ego}: {verdict.message}")
     if run.error is None:
         return
     print(f"{result.scenario}: {run.error.cause}: {run.error.message}")

@@ -13,11 +13,8 @@ from shapely.affinity import affine_transform
 from drivora_service.geometry.angles import wrap_angle
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.geometry.boxes import overlap_depth
+from drivora_service.observations.artefacts import has_jumped
 from drivora_service.observations.trace import Actor, Col, Trace
-
-_JUMP = 1.0
-"""Metres in one step beyond what the speeds of an actor explain. Braking and steering explain
-centimetres, a change to the next lane in one step takes metres."""
 
 _HALVINGS = 20
 """Halvings of a step to find the first touch: a millionth of its way is left, micrometres."""
@@ -90,15 +87,8 @@ def find_impact(trace: Trace, ego: Actor, other: Actor, step: int) -> Impact:
             float(own[Col.Y] + x * sin + y * cos),
         ),
         appeared=step > 0 and not begun,
-        jumped=begun and _has_jumped(before[1], after[1], trace.step_length),
+        jumped=begun and has_jumped(before[1], after[1], trace.step_length),
     )
-
-
-def _has_jumped(before: FloatArray, after: FloatArray, step_length: float) -> bool:
-    """Returns whether an actor's displacement disagrees with its speeds before and after a step."""
-    speeds = 0.5 * (before[[Col.VX, Col.VY]] + after[[Col.VX, Col.VY]])
-    unexplained = (after - before)[[Col.X, Col.Y]] - speeds * step_length
-    return bool(np.hypot(*unexplained) > _JUMP)
 
 
 def _first_touch(before: FloatArray, after: FloatArray, ego: Actor, other: Actor) -> FloatArray:

@@ -8,7 +8,9 @@ import pytest
 from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.observations.trace_files.trace_file import read_trace
 from drivora_service.observations.trace_files.trace_hash import trace_sha256
+from drivora_service.scenario.exporting import document_content
 from tests.cli.conftest import Drivora
+from tests.simulation.test_jumping import beside_a_truck
 
 EXAMPLES = Path(__file__).parents[3] / "openscenario_schemas" / "examples"
 PROMISED = {
@@ -189,3 +191,16 @@ def test_a_service_names_the_problems_of_each_scenario(
     ended = drivora("run", path, "--server", service_url, "--json")
     assert ended.code == 3
     assert ended.json()["error"]["problems"][0]["pointer"] == "/map_region/town"
+
+
+def test_a_run_that_the_simulator_spoilt_says_so(drivora: Drivora, tmp_path: Path) -> None:
+    file = tmp_path / "jump.json"
+    file.write_text(json.dumps(document_content(beside_a_truck(1.4))))
+    ended = drivora("run", file, "--out", tmp_path / "out")
+    assert ended.code == 0, ended.err
+    told = " ".join(ended.out.split())
+    assert "spoilt by" in told
+    assert "jump: ego: Artefact of the simulation at 0.35 s, not the ego's fault: truck" in told
+    again = drivora("run", file, "--out", tmp_path / "out", "--json").json()
+    assert not [verdict for verdict in again["verdicts"] if verdict["outcome"] == "violated"]
+    assert again["metrics"]["driving_score"] is None

@@ -9,6 +9,7 @@ import pytest
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.verdict import Outcome
+from drivora_service.oracles.verdicts.artefact_verdicts import ARTEFACT
 from drivora_service.scenario.documents import parse_document
 from drivora_service.scenario.validation import validate_document
 from tests.oracles.responsibility.case import AT_FAULT, NOT_AT_FAULT, UNDETERMINED, Case
@@ -35,7 +36,10 @@ def test_the_expected_verdict(case: Case) -> None:
     verdicts = collisions(case.name)
     assert {ego: fault(verdict) for ego, verdict in verdicts.items()} == expected
     for verdict in verdicts.values():
-        assert verdict.outcome is Outcome.VIOLATED
+        # What the simulator did is no violation.
+        made = ARTEFACT in verdict.evidence
+        assert verdict.outcome is (Outcome.NOT_MEASURABLE if made else Outcome.VIOLATED)
+        assert made == (verdict.evidence["rule"] == "appeared")
         assert verdict.evidence["reason"]
 
 

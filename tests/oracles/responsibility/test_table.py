@@ -16,6 +16,7 @@ from drivora_service.oracles.responsibility.impact import find_impact
 from drivora_service.oracles.responsibility.party import Party
 from drivora_service.oracles.responsibility.required_braking import could_brake
 from drivora_service.oracles.responsibility.responsibility_judging import find_responsible
+from drivora_service.oracles.verdict import Outcome
 from drivora_service.scenario.conversion import to_scenario
 from drivora_service.testing.networks import straight_road
 from drivora_service.testing.traces import Motion, SyntheticActor, make_trace
@@ -135,7 +136,7 @@ def test_the_delay_can_be_left_out() -> None:
     assert could_brake(one, two, 0, reaction=0.0)
 
 
-def test_a_vehicle_that_jumps_into_the_ego_is_at_fault() -> None:
+def test_an_ego_that_a_vehicle_jumps_into_is_not_at_fault() -> None:
     steps = 80
     jumping = Motion.steady(30.0, 3.5, steps=steps, speed=4.0)
     step = 50
@@ -147,7 +148,8 @@ def test_a_vehicle_that_jumps_into_the_ego_is_at_fault() -> None:
     )
     (verdict,) = Collision().judge(RunView(trace, straight_road()))
     assert verdict.at_fault is False
-    assert verdict.evidence["reason"] == "the other jumped into the ego"
+    assert verdict.outcome is Outcome.NOT_MEASURABLE
+    assert verdict.evidence["reason"].startswith("npc jumped into the ego")
 
 
 def test_a_vehicle_that_reports_a_speed_but_does_not_move_stands() -> None:

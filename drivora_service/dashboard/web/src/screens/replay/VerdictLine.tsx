@@ -1,7 +1,15 @@
 import type { Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { fixed } from "../../components/numbers";
-import { alike, blameWords, gravestFirst, observedWords, oracleName, toneOf } from "./verdictWords";
+import {
+  alike,
+  artefactsOf,
+  blameWords,
+  gravestFirst,
+  observedWords,
+  oracleName,
+  toneOf,
+} from "./verdictWords";
 
 type Verdict = Schemas["Verdict"];
 
@@ -21,10 +29,14 @@ export function VerdictLine({
   const violations = gravestFirst(verdicts);
   const [first, ...others] = violations.filter(({ severity }) => severity !== "observation");
   const observed = violations.filter(({ severity }) => severity === "observation");
+  const artefacts = artefactsOf(verdicts);
   const unclear = verdicts.filter(({ outcome }) => outcome === "not_measurable");
   const rest = alike([...others, ...observed]);
   return (
     <div className="verdict-line whole-width">
+      {artefacts.map(({ ego, message }) => (
+        <Mark key={ego} sign="–" tone="lost" text={`${ego}: ${message}`} />
+      ))}
       {first ? (
         <Violation verdict={first} until={untilOf(first)} onMoment={onMoment} whole />
       ) : verdicts.length > unclear.length ? (

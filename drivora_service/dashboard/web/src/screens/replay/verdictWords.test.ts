@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
 import {
   alike,
+  artefactsOf,
   blameWords,
   gravestFirst,
   observedWords,
@@ -98,6 +99,17 @@ it("a collision comes before an earlier violation that did no harm", () => {
     verdict("collision", "major", true, 9),
   ]);
   expect(sorted[0]?.oracle).toBe("collision");
+});
+
+it("an artefact of the simulator is told from what else is not measurable", () => {
+  const unclear = {
+    ...verdict("destination", "minor", null, 4),
+    outcome: "not_measurable",
+  } as const;
+  const artefact = { ...unclear, oracle: "collision", evidence: { artefact: "jumped" } } as const;
+  expect(artefactsOf([verdict("collision", "major", false, 4), unclear, artefact])).toEqual([
+    artefact,
+  ]);
 });
 
 it("violations of one oracle are gathered at the first of them", () => {

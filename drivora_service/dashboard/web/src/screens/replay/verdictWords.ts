@@ -63,6 +63,13 @@ export function gravestFirst(verdicts: readonly Verdict[]): readonly Verdict[] {
     );
 }
 
+/** Returns the verdicts that say that an artefact of the simulator ended the part of an ego. */
+export function artefactsOf(verdicts: readonly Verdict[]): readonly Verdict[] {
+  return verdicts.filter(
+    ({ outcome, evidence }) => outcome === "not_measurable" && evidence?.artefact !== undefined,
+  );
+}
+
 /** Returns how many observations there are, which by themselves make no run fail. */
 export function observedWords(count: number): string {
   return count === 1 ? "1 observation" : `${count} observations`;
