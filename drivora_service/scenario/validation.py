@@ -12,6 +12,7 @@ from typing import Any, Literal
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.networks.catalogue import NetworkLookup
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.scenario.checks.bend_notes import bend_notes
 from drivora_service.scenario.checks.drafts import Doubts, make_whole
 from drivora_service.scenario.checks.route_checks import RouteCheck, check_route
 from drivora_service.scenario.checks.route_notes import route_notes, snap_notes
@@ -157,6 +158,7 @@ def _validate(
         *(() if driven_by else _agent_notes(document)),
         *snap_notes(checked.snapped, scenario, network),
         *route_notes(scenario, network),
+        *bend_notes(scenario, network),
     ]
     return ValidScenario(scenario=scenario, network=network, notes=tuple(notes))
 

@@ -12,8 +12,9 @@ import numpy as np
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
+from drivora_service.geometry.sampled_lines import SPACING
 from drivora_service.observations.trace import LEVEL_GAP, Col, SizeCol
-from drivora_service.simulation.followers.follower_path import SPACING, PathCol
+from drivora_service.simulation.followers.follower_path import PathCol
 
 _POINTS_APART = 1.01 * SPACING
 _ROUNDING = 1e-3

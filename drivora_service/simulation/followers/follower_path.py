@@ -14,17 +14,11 @@ import numpy as np
 
 from drivora_service.agents.speed_profile import slow_down_in_time, slow_down_within
 from drivora_service.compilation import compiled
-from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray
-from drivora_service.geometry.lines import arc_lengths
+from drivora_service.geometry.sampled_lines import distinct_points, measure_line, sample_line
+from drivora_service.scenario.waypoint_speeds import SIDE_GRIP_SHARE, most_lateral
 from drivora_service.simulation.motion.vehicle_dynamics import GRAVITY
 
-SPACING = 1.0
-"""Metres between two points of a path, at most."""
-_SIDE_GRIP_SHARE = 0.6
-"""Share of the grip that a follower uses in bends, if it is told nothing else."""
-_MOST_SIDE_SHARE = 0.9
-"""Greatest such share: some grip is left for braking, and for the corners of the line."""
 _PLANNED_SHARE = 0.98
 """Share of the grip with which braking is planned: the rest is for keeping to the plan."""
 
@@ -92,14 +86,6 @@ def planned_grip(friction: float) -> float:
     return _PLANNED_SHARE * friction * GRAVITY
 
 
-def most_lateral(lateral_acceleration: float | None, friction: float) -> float:
-    """Returns the lateral acceleration that a vehicle uses on a road, m/s²."""
-    grip = friction * GRAVITY
-    if lateral_acceleration is None:
-        return _SIDE_GRIP_SHARE * grip
-    return min(lateral_acceleration, _MOST_SIDE_SHARE * grip)
-
-
 def build_path(
     line: FloatArray,
     speeds: FloatArray,
@@ -109,6 +95,7 @@ def build_path(
     deceleration: float,
     is_vehicle: bool,
     plan: PathPlan | None = None,
+    is_sampled: bool = False,
 ) -> FollowerPath:
     """Returns the path along a line, with the speed at each of its points.
 
@@ -121,26 +108,22 @@ def build_path(
         deceleration: Planned braking, m/s², positive.
         is_vehicle: Whether grip limits the speed in bends.
         plan: Of a vehicle, stops, and braking within the grip.
+        is_sampled: Whether the points of the line are at most one metre apart already.
 
     Returns:
         The path, resampled to at most one metre between points.
     """
-    arc = arc_lengths(line)
-    keep = np.concatenate(([True], np.diff(arc) > 1e-6))
-    line, arc = line[keep], arc[keep]
+    line, arc = distinct_points(line)
     if len(line) < 2:
         yaw = np.array([first_yaw or 0.0])
         zero = np.zeros(1)
         return FollowerPath(line=line[:1], yaw=yaw, arc=zero, wanted=zero, height=zero, wait=zero)
-    fine = np.union1d(arc, np.linspace(0.0, arc[-1], max(2, math.ceil(arc[-1] / SPACING) + 1)))
-    fine = fine[np.concatenate(([True], np.diff(fine) > 1e-6))]
-    x, y = np.interp(fine, arc, line[:, 0]), np.interp(fine, arc, line[:, 1])
-    yaw = np.unwrap(elementary.arctan2(np.gradient(y, fine), np.gradient(x, fine)))
+    sampled = measure_line(line, arc) if is_sampled else sample_line(line, arc)
+    fine, bend = sampled.arc, sampled.bend
     # Between two waypoints the speed of the one ahead applies.
     ahead = np.minimum(np.searchsorted(speed_arcs, fine - 1e-6, side="left"), len(speeds) - 1)
     wanted = speeds[np.maximum(ahead, min(1, len(speeds) - 1))].astype(np.float64)
     wait = np.zeros(len(fine))
-    bend = np.abs(np.gradient(yaw, fine))
     if is_vehicle:
         side = most_lateral(None if plan is None else plan.lateral_acceleration, friction)
         wanted = np.minimum(wanted, np.sqrt(side / np.maximum(bend, 1e-4)))
@@ -154,8 +137,8 @@ def build_path(
             wanted[-1] = 0.0
         slow_down_within_grip(wanted, fine, bend, deceleration, planned_grip(friction))
     return FollowerPath(
-        line=np.column_stack((x, y)),
-        yaw=yaw,
+        line=sampled.line,
+        yaw=sampled.yaw,
         arc=fine,
         wanted=wanted,
         height=np.zeros(len(fine)),
@@ -179,10 +162,10 @@ def slower_on(
     grip = frictions * GRAVITY
     slippery = frictions < road
     bend = np.abs(np.gradient(path.yaw, path.arc))
-    in_bend = np.sqrt(_SIDE_GRIP_SHARE * grip / np.maximum(bend, 1e-4))
+    in_bend = np.sqrt(SIDE_GRIP_SHARE * grip / np.maximum(bend, 1e-4))
     wanted = np.where(slippery, np.minimum(path.wanted, in_bend), path.wanted)
     # What bends leave of the friction circle.
-    left = math.sqrt(1.0 - _SIDE_GRIP_SHARE**2) * grip
+    left = math.sqrt(1.0 - SIDE_GRIP_SHARE**2) * grip
     slow_down_within(
         wanted, path.arc, np.where(slippery, np.minimum(left, deceleration), deceleration)
     )

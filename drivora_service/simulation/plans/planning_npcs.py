@@ -22,11 +22,12 @@ from drivora_service.observations.ground import frictions_along, patch_array
 from drivora_service.observations.trace import Role
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle, NpcWalker, RouteEnd, Waypoint
 from drivora_service.scenario.models.actor_models import ActorKind, ActorModel, actor_model
+from drivora_service.scenario.replayed_way import lay_way
+from drivora_service.scenario.waypoint_speeds import most_lateral, waypoint_speeds
 from drivora_service.simulation.followers.follower_path import (
     FollowerPath,
     PathPlan,
     build_path,
-    most_lateral,
     planned_grip,
     slower_on,
 )
@@ -38,7 +39,6 @@ JOIN_DISTANCE = 10.0
 WALKING_SPEED = 1.4
 WALKING_ACCELERATION = 2.0
 """Acceleration of walkers, m/s²: from standing to walking within a step or two."""
-OFF_ROAD_SPEED = 8.0
 COMFORTABLE_BRAKING_SHARE = 0.4
 """Share of its hardest braking with which an NPC vehicle brakes for a lower speed."""
 
@@ -46,22 +46,6 @@ COMFORTABLE_BRAKING_SHARE = 0.4
 def route_points(waypoints: Sequence[Waypoint]) -> tuple[RoutePoint, ...]:
     """Returns waypoints as the planner of routes takes them."""
     return tuple(RoutePoint(x=point.x, y=point.y, yaw=point.yaw) for point in waypoints)
-
-
-def _waypoint_speeds(
-    waypoints: Sequence[Waypoint], network: RoadNetwork, default: float | None
-) -> FloatArray:
-    speeds = []
-    for point in waypoints:
-        if point.speed is not None:
-            speeds.append(point.speed)
-        elif default is not None:
-            speeds.append(default)
-        else:
-            place = nearest_lane_position(network, point.x, point.y)
-            limit = OFF_ROAD_SPEED if place is None else network.lanes[place.lane].speed_limit
-            speeds.append(limit)
-    return np.array(speeds)
 
 
 def _with_heights(path: FollowerPath, network: RoadNetwork) -> FollowerPath:
@@ -122,13 +106,17 @@ def plan_npc(
     model = actor_model(ActorKind.VEHICLE, npc.model)
     is_parked = len(npc.route) == 1
     plan = None if is_parked else _path_plan(npc)
-    speeds = _waypoint_speeds(npc.route, network, None)
+    speeds = waypoint_speeds(npc.route, network, None)
     edges: tuple[str, ...] = ()
+    is_sampled = False
     if npc.behavior is NpcBehavior.REACTIVE and not is_parked:
         changes = _lane_changes(npc, model, speeds, friction)
         line, marks, edges = _along_lanes(npc.route, network, changes)
     else:
-        line, marks = _straight(npc.route)
+        waits = np.array([bool(point.wait) for point in npc.route])
+        side = most_lateral(npc.lateral_acceleration, friction)
+        way = lay_way(_straight(npc.route)[0], speeds, waits, side)
+        line, marks, is_sampled = way.line, way.marks, way.is_sampled
     start = npc.route[0]
     yaw = start.yaw
     if yaw is None and is_parked:
@@ -139,7 +127,17 @@ def plan_npc(
         wanted = deceleration if npc.deceleration is None else npc.deceleration
         deceleration = min(wanted, model.max_deceleration, planned_grip(friction))
     path = _with_heights(
-        build_path(line, speeds, marks, yaw, friction, deceleration, is_vehicle=True, plan=plan),
+        build_path(
+            line,
+            speeds,
+            marks,
+            yaw,
+            friction,
+            deceleration,
+            is_vehicle=True,
+            plan=plan,
+            is_sampled=is_sampled,
+        ),
         network,
     )
     if patches:
@@ -207,7 +205,7 @@ def plan_walker(walker: NpcWalker, network: RoadNetwork) -> FollowerPlan:
         max_deceleration=WALKING_ACCELERATION,
     )
     line, marks = _straight(walker.route)
-    speeds = _waypoint_speeds(walker.route, network, WALKING_SPEED)
+    speeds = waypoint_speeds(walker.route, network, WALKING_SPEED)
     start = walker.route[0]
     return FollowerPlan(
         id=walker.id,
