@@ -63,6 +63,8 @@ _PROGRAM = "drivora"
 """Name of the service's programmes for traffic lights."""
 _IMPATIENT_AFTER = "30"
 _SUBLANE_WIDTH = "0.8"
+_STANDING_SPEED = 0.1
+"""m/s below which a vehicle stands."""
 """Metres: the middle of the range that SUMO's documentation names for cars."""
 
 
@@ -287,11 +289,15 @@ class SumoWorld:
         lane_number: int,
         position: float,
         arrival: float | None,
+        has_speed: bool = False,
     ) -> DrivenActor:
         """Adds a vehicle that SUMO drives, with its front bumper at ``position`` metres.
 
         It leaves with its front bumper at ``arrival`` metres of its last lane; ``None`` is the end
-        of that lane. SUMO chooses a speed that is safe there; any other may be refused.
+        of that lane. SUMO chooses a speed that is safe there; any other may be refused. It is that
+        of the last vehicle on the lane, or the greatest one if there is none. ``has_speed``: the
+        vehicle has a speed to begin with, to which it can be slowed down, so that it gets the
+        greatest one, too, where that last vehicle stands: it may do so far ahead.
         """
         vehicle_type = self._ensure_type(driver, length, width, is_walker=False)
         self._add(
@@ -301,9 +307,14 @@ class SumoWorld:
             departLane=str(lane_number),
             departPos=f"{position:.3f}",
             arrivalPos="max" if arrival is None else f"{arrival:.3f}",
-            departSpeed="last",
+            departSpeed="max" if has_speed and self._last_stands(edges[0], lane_number) else "last",
         )
         return DrivenActor(row, actor_id, 0.5 * length, width)
+
+    def _last_stands(self, edge: str, lane_number: int) -> bool:
+        """Returns whether the last vehicle on a lane stands, however far ahead."""
+        vehicles = libsumo.lane.getLastStepVehicleIDs(f"{edge}_{lane_number}")
+        return bool(vehicles) and libsumo.vehicle.getSpeed(vehicles[0]) < _STANDING_SPEED
 
     def _add(self, actor_id: str, edges: Sequence[str], vehicle_type: str, **depart: str) -> None:
         route = f"route:{self._routes}"

@@ -341,6 +341,7 @@ class Traffic:
                     lane_number=plan.lane_number,
                     position=plan.position,
                     arrival=plan.arrival,
+                    has_speed=True,
                 )
             )
             self._entering.append((row, plan.id, plan.speed))
