@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache, partial
 from importlib.metadata import version
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drivora_service.agents.built_in_agents import BUILT_IN, FETCHED
+from drivora_service.agents.configuration import AgentConfiguration, configuration_of
 from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.agents.installing import (
     environment_python,
@@ -159,7 +160,11 @@ class AgentCatalogue:
             UnknownName: If there is no such agent.
         """
         type_ = self._parameters(name)
-        return None if type_ is None else describe_parameters(type_)
+        return None if type_ is None else _describe(type_)
+
+    def configuration(self, choices: Iterable[AgentChoice]) -> AgentConfiguration:
+        """Returns the agents of all egos with the parameters that differ from their defaults."""
+        return configuration_of(choices, self.parameters)
 
     def fill_defaults(self, choice: AgentChoice) -> AgentChoice:
         """Returns a choice with the defaults of the parameters that it does not set.
@@ -344,8 +349,13 @@ class _Availability(AgentDirectory):
 
 
 @cache
+def _describe(type_: type[DataclassInstance]) -> tuple[ParameterDescription, ...]:
+    return describe_parameters(type_)
+
+
+@cache
 def _defaults(type_: type[DataclassInstance]) -> Mapping[str, Any]:
-    return {described.name: described.default for described in describe_parameters(type_)}
+    return {described.name: described.default for described in _describe(type_)}
 
 
 @cache

@@ -10,6 +10,7 @@ from typing import Any
 
 from pydantic import computed_field
 
+from drivora_service.agents.configuration import AgentConfiguration
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability, strongest
 from drivora_service.runs.run_report import RunReport
@@ -80,6 +81,7 @@ class NewCampaign:
         document: The campaign as JSON text; see ``campaigns.document.campaign_documents``.
         tester: Name of the tester, for lists.
         agent: Name of the ADS, for lists.
+        configuration: The ADS with its parameters; ``None``: not known, the name stands for it.
         town: Name of the road network, for lists.
         network_sha256: Hash of the network's file.
         budget: Simulations.
@@ -98,6 +100,7 @@ class NewCampaign:
     versions: Mapping[str, str] = field(default_factory=dict)
     study_id: str = ""
     cell: StudyCell | None = None
+    configuration: AgentConfiguration | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,6 +163,9 @@ class CampaignSummary(Shape):
     Attributes:
         message: Why it failed; empty otherwise.
         request: Pending request to a running campaign.
+        configuration: The ADS with the parameters that differ from its defaults, such as
+            `idm · reaction_time 1.0`.
+        configuration_id: Short id of the ADS with all its parameters; empty if not recorded.
         budget: Simulations that it may make.
         active_s: Seconds of work, pauses left out.
         updated_at: When its tester was last told an evaluation, or its state changed.
@@ -176,6 +182,8 @@ class CampaignSummary(Shape):
     request: CampaignRequest
     tester: str
     agent: str
+    configuration: str
+    configuration_id: str
     town: str
     budget: int
     counts: CampaignCounts

@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from drivora_service.agents.configuration import AgentConfiguration
 from drivora_service.errors import Conflict, UnknownName
 from drivora_service.shapes import combine
 from drivora_service.store.campaigns.campaign_records import (
@@ -46,12 +47,15 @@ class CampaignRepository:
     def create(self, campaign: NewCampaign) -> CampaignRecord:
         """Stores a queued campaign."""
         now, cell = datetime.now(UTC), campaign.cell
+        configuration = campaign.configuration or AgentConfiguration(words=campaign.agent)
         row = CampaignRow(
             id=new_id(),
             name=campaign.name,
             document=campaign.document,
             tester=campaign.tester,
             agent=campaign.agent,
+            configuration=configuration.words,
+            configuration_id=configuration.id,
             town=campaign.town,
             network_sha256=campaign.network_sha256,
             budget=campaign.budget,

@@ -31,6 +31,8 @@ class CampaignRow(Base):
     document: Mapped[str] = mapped_column(Text)
     tester: Mapped[str] = mapped_column(String(64))
     agent: Mapped[str] = mapped_column(String(200))
+    configuration: Mapped[str] = mapped_column(String(400), default="", server_default=text("''"))
+    configuration_id: Mapped[str] = mapped_column(String(8), default="", server_default=text("''"))
     town: Mapped[str] = mapped_column(String(100))
     network_sha256: Mapped[str] = mapped_column(String(64))
     budget: Mapped[int]

@@ -85,6 +85,8 @@ def evaluation_results(
             "confirms": False,
             "town": towns[place],
             "agent": campaign.agent,
+            "configuration": campaign.configuration,
+            "configuration_id": campaign.configuration_id,
             "scenario_sha256": row.document_sha256,
             "seed": seeds.get(row.document_sha256 or ""),
         }
@@ -109,6 +111,8 @@ def _conditions(wanted: ResultFilter, after: EvaluationPlace | None) -> list[Col
     runs = wanted.runs
     if runs.agent:
         conditions.append(CampaignRow.agent == runs.agent)
+    if runs.configuration_id:
+        conditions.append(CampaignRow.configuration_id == runs.configuration_id)
     if runs.scenario_sha256:
         conditions.append(EvaluationRow.document_sha256 == runs.scenario_sha256)
     if runs.since is not None:
@@ -146,7 +150,15 @@ def _make_run_columns(report: RunReport, told_at: datetime) -> dict[str, Any]:
 
 
 def _passes(values: Mapping[str, Any], report: RunReport, wanted: JobFilter) -> bool:
-    names = ("agent", "town", "status", "violations", "accountability")
+    names = (
+        "agent",
+        "town",
+        "status",
+        "violations",
+        "accountability",
+        "configuration",
+        "configuration_id",
+    )
     facet, _ = make_facet_with_key(**{name: values[name] for name in names})
     if not facet_passes(facet, wanted):
         return False

@@ -77,6 +77,8 @@ def run_of_evaluation(session: Session, wanted: EvaluationId) -> RunRecord:
         item=wanted.number,
         town=town_of_seed(campaign, row.seed_number),
         agent=campaign.agent,
+        configuration=campaign.configuration,
+        configuration_id=campaign.configuration_id,
         seed=None,
         scenario_sha256=row.document_sha256 or "",
         created_at=row.told_at,

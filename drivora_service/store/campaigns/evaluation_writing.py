@@ -75,6 +75,8 @@ def append_evaluations(
             campaign_seq=campaign.seq,
             number=record.number,
             agent=campaign.agent,
+            configuration=campaign.configuration,
+            configuration_id=campaign.configuration_id,
             town=towns[seed],
             found_at=now,
         )

@@ -33,6 +33,7 @@ def conditions_of(session: Session, wanted: FoundFilter) -> list[ColumnElement[b
         for column, value in (
             (FoundRow.oracle, wanted.oracle),
             (FoundRow.agent, wanted.agent),
+            (FoundRow.configuration_id, wanted.configuration_id),
             (FoundRow.town, wanted.town),
             (FoundRow.accountability, wanted.accountability),
             (FoundRow.confirmation, wanted.confirmation),
@@ -116,6 +117,8 @@ def _detail_query() -> Select[*tuple[Any, ...]]:
             FoundRow.group.label("group_name"),
             FailureGroupRow.id.label("decided_id"),
             FoundRow.agent,
+            FoundRow.configuration,
+            FoundRow.configuration_id,
             FoundRow.town,
             FoundRow.at_fault,
             FoundRow.accountability,

@@ -21,6 +21,7 @@ class FoundFilter:
         at_fault: Whether an ego is at fault.
         accountability: Accountability of the ego.
         agent: ADS of the campaign or run.
+        configuration_id: Id of the ADS with its parameters.
         town: Name of the road network.
         campaign_id: Campaign that found it.
         study_id: Study whose campaign found it.
@@ -35,6 +36,7 @@ class FoundFilter:
     at_fault: bool | None = None
     accountability: Accountability | None = None
     agent: str = ""
+    configuration_id: str = ""
     town: str = ""
     campaign_id: str = ""
     study_id: str = ""
@@ -53,6 +55,8 @@ class FoundFailure(Shape):
         group_name: Oracle, relation of the other actor to the ego, and manoeuvre: the same on all
             road networks and in all campaigns.
         group_id: Id of its group: that of its name, unless a decision moved it to another.
+        configuration: The ADS with the parameters that differ from its defaults.
+        configuration_id: Short id of the ADS with all its parameters; empty if not recorded.
         accountability: null if it was judged before this was recorded.
         campaign_id: Campaign that found it; empty for a run outside campaigns.
         evaluation: Number of its evaluation; null outside campaigns.
@@ -73,6 +77,8 @@ class FoundFailure(Shape):
     group_name: str
     group_id: str
     agent: str
+    configuration: str
+    configuration_id: str
     town: str
     at_fault: bool | None
     accountability: Accountability | None

@@ -37,6 +37,7 @@ class FoundRow(Base):
             "confirmation",
             "batch_seq",
             "found_at",
+            "configuration_id",
         ),
     )
 
@@ -54,6 +55,8 @@ class FoundRow(Base):
     group_seq: Mapped[int | None]
     """The group that a user has put it into, whatever its name; ``None``: that of its name."""
     agent: Mapped[str] = mapped_column(String(200))
+    configuration: Mapped[str] = mapped_column(String(400), default="", server_default=text("''"))
+    configuration_id: Mapped[str] = mapped_column(String(8), default="", server_default=text("''"))
     town: Mapped[str] = mapped_column(String(100))
     at_fault: Mapped[bool | None]
     accountability: Mapped[str | None] = mapped_column(String(16))

@@ -41,6 +41,8 @@ def make_found_rows_of_run(
     run_seq: int,
     batch_seq: int,
     agent: str,
+    configuration: str,
+    configuration_id: str,
     town: str,
     found_at: datetime,
 ) -> list[Row]:
@@ -58,6 +60,8 @@ def make_found_rows_of_run(
             "batch_seq": batch_seq,
             "place": one.place,
             "agent": agent,
+            "configuration": configuration,
+            "configuration_id": configuration_id,
             "town": town,
             "confirmation": "",
         }
@@ -82,6 +86,8 @@ def make_found_rows_of_campaign(
     campaign_seq: int,
     number: int,
     agent: str,
+    configuration: str,
+    configuration_id: str,
     town: str,
     found_at: datetime,
 ) -> list[Row]:
@@ -99,6 +105,8 @@ def make_found_rows_of_campaign(
             "batch_seq": None,
             "place": place,
             "agent": agent,
+            "configuration": configuration,
+            "configuration_id": configuration_id,
             "town": town,
             "confirmation": "open",
         }

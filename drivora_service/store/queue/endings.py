@@ -75,6 +75,8 @@ def write_report(session: Session, row: RunRow, report: RunReport, *, ended: dat
         run_seq=row.seq,
         batch_seq=row.batch_seq,
         agent=row.agent,
+        configuration=row.configuration,
+        configuration_id=row.configuration_id,
         town=row.town,
         found_at=ended,
     )

@@ -35,6 +35,8 @@ class QueuedRun(NamedTuple):
     batch_seq: int
     document_sha256: str
     agent: str
+    configuration: str
+    configuration_id: str
     town: str
     keeps_trace: bool
     attempts: int
@@ -48,6 +50,8 @@ QUEUED_RUN = (
     RUNS.c.batch_seq,
     RUNS.c.document_sha256,
     RUNS.c.agent,
+    RUNS.c.configuration,
+    RUNS.c.configuration_id,
     RUNS.c.town,
     RUNS.c.keeps_trace,
     RUNS.c.attempts,
@@ -63,8 +67,8 @@ QUEUED_RUN = (
 
 def read_queued_run(values: Sequence[Any]) -> QueuedRun:
     """Returns a run read from the first columns of a row, which are :data:`QUEUED_RUN`."""
-    # The first nine are the run's own; the last five are its state in the life cycle.
-    return QueuedRun._make((*values[:9], _state(*values[9:14])))
+    # The first eleven are the run's own; the last five are its state in the life cycle.
+    return QueuedRun._make((*values[:11], _state(*values[11:16])))
 
 
 @lru_cache(maxsize=512)

@@ -173,6 +173,8 @@ class RunBatch:
             run_seq=run.seq,
             batch_seq=run.batch_seq,
             agent=run.agent,
+            configuration=run.configuration,
+            configuration_id=run.configuration_id,
             town=run.town,
             found_at=ended,
         )
@@ -185,8 +187,13 @@ class RunBatch:
         accountability: str | None = None,
     ) -> int:
         """Counts the change of a run's facet; returns the number of the new one."""
-        before, old = make_facet_with_key(run.agent, run.town, run.state.status)
-        after, new = make_facet_with_key(run.agent, run.town, status, violations, accountability)
+        configuration = run.configuration, run.configuration_id
+        before, old = make_facet_with_key(
+            run.agent, run.town, run.state.status, None, None, *configuration
+        )
+        after, new = make_facet_with_key(
+            run.agent, run.town, status, violations, accountability, *configuration
+        )
         move = run.batch_seq, old, new
         if move not in self._moves:
             self._facets[old], self._facets[new] = before, after

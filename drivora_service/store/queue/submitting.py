@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 from sqlalchemy import func, insert, select
 from sqlalchemy.orm import Session
 
+from drivora_service.agents.configuration import AgentConfiguration
 from drivora_service.errors import Conflict, QueueFull, UnknownName
 from drivora_service.runs.report_encoding import choice_to_json
 from drivora_service.runs.run_report import RunReport, RunStatus
@@ -148,6 +149,8 @@ def _store_runs(
                 "document_sha256": run.scenario_sha256,
                 "town": run.town,
                 "agent": run.agent,
+                "configuration": facet.configuration,
+                "configuration_id": facet.configuration_id,
                 **{name: getattr(run.options, name) for name in field_names(RunOptions)},
                 "feedback": None if run.feedback is None else choice_to_json(run.feedback),
                 "keeps_trace": run.keeps_trace,
@@ -164,4 +167,13 @@ def _store_runs(
 
 def _facet(run: NewRun, report: RunReport | None) -> Facet:
     status = RunStatus.QUEUED if report is None else report.status
-    return Facet(agent=run.agent, town=run.town, status=status, violated=None, accountability=None)
+    configuration = run.configuration or AgentConfiguration(words=run.agent)
+    return Facet(
+        agent=run.agent,
+        town=run.town,
+        status=status,
+        violated=None,
+        accountability=None,
+        configuration=configuration.words,
+        configuration_id=configuration.id,
+    )

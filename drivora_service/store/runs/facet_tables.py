@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sqlalchemy import BigInteger, Boolean, ForeignKey, String
+from sqlalchemy import BigInteger, Boolean, ForeignKey, String, text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from drivora_service.store.engine.base_tables import Base
@@ -15,6 +15,8 @@ class FacetRow(Base):
 
     key: Mapped[int] = mapped_column(BigInteger, primary_key=True, autoincrement=False)
     agent: Mapped[str] = mapped_column(String(200))
+    configuration: Mapped[str] = mapped_column(String(400), default="", server_default=text("''"))
+    configuration_id: Mapped[str] = mapped_column(String(8), default="", server_default=text("''"))
     town: Mapped[str] = mapped_column(String(100))
     status: Mapped[str] = mapped_column(String(24))
     violated: Mapped[bool | None] = mapped_column(Boolean)

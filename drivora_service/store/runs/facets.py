@@ -1,9 +1,9 @@
 """Facets: the attributes that lists of runs filter by, as one number a run, with counters.
 
-The facet of a run is its agent, its town, its status, whether it violated an oracle, and how far an
-ego is accountable for that. A million runs have a few hundred facets. An index on the facet and the
-order of submission therefore serves every combination of these filters, and the counters of the
-facets are the counts of the batches and of the service.
+The facet of a run is its agent, its configuration, its town, its status, whether it violated an
+oracle, and how far an ego is accountable for that. A million runs have a few hundred facets. An
+index on the facet and the order of submission therefore serves every combination of these filters,
+and the counters of the facets are the counts of the batches and of the service.
 
 The counters change with the flush that writes the runs, in the same transaction. Only statements
 that change many runs at once, which no flush sees, call :func:`add_counts` themselves.
@@ -15,7 +15,7 @@ import hashlib
 import json
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from typing import Any
 
@@ -27,7 +27,15 @@ from drivora_service.store.engine.plain_statements import execute_many
 from drivora_service.store.runs.facet_tables import BatchFacetRow, FacetRow
 from drivora_service.store.runs.run_tables import RunRow
 
-_RUN_FIELDS = ("agent", "town", "status", "violations", "accountability")
+_RUN_FIELDS = (
+    "agent",
+    "town",
+    "status",
+    "violations",
+    "accountability",
+    "configuration",
+    "configuration_id",
+)
 
 FacetChanges = Counter[tuple[int, "Facet"]]
 """Changes of the numbers of runs, by the ``seq`` of their batch and their facet."""
@@ -40,6 +48,8 @@ class Facet:
     Attributes:
         violated: Whether an oracle was violated; ``None`` unless finished.
         accountability: The strongest of the violations, or ``None``.
+        configuration_id: Id of the agent with its parameters; "": not known.
+        configuration: The same in words, which the id determines.
     """
 
     agent: str
@@ -47,12 +57,16 @@ class Facet:
     status: str
     violated: bool | None
     accountability: str | None
+    configuration_id: str = ""
+    configuration: str = field(default="", compare=False)
 
 
 @lru_cache(maxsize=4096)
 def facet_key(facet: Facet) -> int:
     """Returns the number of a facet: a hash of 63 bits, so that no lookup is needed."""
-    parts = (facet.agent, facet.town, facet.status, facet.violated, facet.accountability)
+    parts = [facet.agent, facet.town, facet.status, facet.violated, facet.accountability]
+    if facet.configuration_id:
+        parts.append(facet.configuration_id)
     digest = hashlib.blake2b(json.dumps(parts).encode(), digest_size=8).digest()
     return int.from_bytes(digest) >> 1
 
@@ -64,9 +78,11 @@ def make_facet_with_key(
     status: str,
     violations: int | None = None,
     accountability: str | None = None,
+    configuration: str = "",
+    configuration_id: str = "",
 ) -> tuple[Facet, int]:
     """Returns the facet of a run with these values, and its number."""
-    facet = _facet(agent, town, status, violations, accountability)
+    facet = _facet(agent, town, status, violations, accountability, configuration, configuration_id)
     return facet, facet_key(facet)
 
 
@@ -109,6 +125,8 @@ def add_counts(session: Session, changes: Mapping[tuple[int, Facet], int]) -> No
             "status": facet.status,
             "violated": facet.violated,
             "accountability": facet.accountability,
+            "configuration": facet.configuration,
+            "configuration_id": facet.configuration_id,
             "runs": number,
         }
         for facet, number in sorted(totals.items(), key=lambda item: facet_key(item[0]))
@@ -163,18 +181,30 @@ def _facet_before(session: Session, row: RunRow) -> Facet:
     if facet_key(facet) == row.facet:
         return facet
     # An attribute was set before its old value was read: only the stored number tells.
-    stored = session.get_one(FacetRow, row.facet)
+    return facet_of_row(session.get_one(FacetRow, row.facet))
+
+
+def facet_of_row(row: FacetRow) -> Facet:
+    """Returns the facet that a row counts."""
     return Facet(
-        agent=stored.agent,
-        town=stored.town,
-        status=stored.status,
-        violated=stored.violated,
-        accountability=stored.accountability,
+        agent=row.agent,
+        town=row.town,
+        status=row.status,
+        violated=row.violated,
+        accountability=row.accountability,
+        configuration=row.configuration,
+        configuration_id=row.configuration_id,
     )
 
 
 def _facet(
-    agent: str, town: str, status: str, violations: int | None, accountability: str | None
+    agent: str,
+    town: str,
+    status: str,
+    violations: int | None,
+    accountability: str | None,
+    configuration: str,
+    configuration_id: str,
 ) -> Facet:
     return Facet(
         agent=agent,
@@ -182,4 +212,6 @@ def _facet(
         status=status,
         violated=None if violations is None else violations > 0,
         accountability=accountability,
+        configuration=configuration,
+        configuration_id=configuration_id,
     )

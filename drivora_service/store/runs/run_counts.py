@@ -14,10 +14,24 @@ from drivora_service.oracles.verdicts.accountability import Accountability
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.shapes import Shape
 from drivora_service.store.runs.facet_tables import BatchFacetRow, FacetRow
-from drivora_service.store.runs.facets import Facet
+from drivora_service.store.runs.facets import Facet, facet_of_row
 from drivora_service.store.runs.run_records import JobFilter
 from drivora_service.store.runs.run_scope import RunScope, facet_passes, has_verdict, run_scope
 from drivora_service.store.runs.run_tables import RunRow, VerdictRow
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConfigurationCount(Shape):
+    """The number of runs of an ADS with its parameters.
+
+    Attributes:
+        id: Value of the filter `configuration`.
+        words: Name of the ADS with the parameters that differ from its defaults.
+    """
+
+    id: str
+    words: str
+    runs: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,6 +45,8 @@ class RunCounts(Shape):
         total: Runs that pass the whole filter.
         status: By status.
         agent: By agent.
+        configurations: By agent with its parameters, in the order of the words; runs of versions
+            that did not record it are left out.
         town: By road network.
         accountability: By the strongest accountability; runs without one are left out.
         oracle: By oracle with a verdict of `outcome` (and `at_fault`, if it is given).
@@ -44,6 +60,7 @@ class RunCounts(Shape):
     total: int
     status: Mapping[RunStatus, int]
     agent: Mapping[str, int]
+    configurations: tuple[ConfigurationCount, ...]
     town: Mapping[str, int]
     accountability: Mapping[Accountability, int]
     oracle: Mapping[str, int]
@@ -57,6 +74,7 @@ NO_RUNS = RunCounts(
     total=0,
     status={},
     agent={},
+    configurations=(),
     town={},
     accountability={},
     oracle={},
@@ -88,6 +106,7 @@ def count_runs(session: Session, wanted: JobFilter) -> RunCounts:
         total=_sum(numbers, wanted),
         status=_by(numbers, replace(wanted, statuses=frozenset()), _status),
         agent=_by(numbers, replace(wanted, agent=""), lambda facet: facet.agent),
+        configurations=_by_configuration(numbers, replace(wanted, configuration_id="")),
         town=_by(numbers, replace(wanted, town=""), lambda facet: facet.town),
         accountability=_by(numbers, replace(wanted, accountability=None), _accountability),
         oracle=_by_oracle(session, facets, wanted, scope),
@@ -100,16 +119,7 @@ def count_runs(session: Session, wanted: JobFilter) -> RunCounts:
 
 def _facets(session: Session) -> dict[int, Facet]:
     query = select(FacetRow).where(FacetRow.runs > 0)
-    return {
-        row.key: Facet(
-            agent=row.agent,
-            town=row.town,
-            status=row.status,
-            violated=row.violated,
-            accountability=row.accountability,
-        )
-        for row in session.scalars(query)
-    }
+    return {row.key: facet_of_row(row) for row in session.scalars(query)}
 
 
 def _numbers(
@@ -184,6 +194,15 @@ def _by(
         if of_facet is not None and facet_passes(facet, wanted):
             counts[of_facet] += number
     return dict(sorted(counts.items()))
+
+
+def _by_configuration(numbers: FacetNumbers, wanted: JobFilter) -> tuple[ConfigurationCount, ...]:
+    words = {facet.configuration_id: facet.configuration for facet in numbers}
+    counts = _by(numbers, wanted, lambda facet: facet.configuration_id or None)
+    found = [
+        ConfigurationCount(id=one, words=words[one], runs=number) for one, number in counts.items()
+    ]
+    return tuple(sorted(found, key=lambda one: (one.words, one.id)))
 
 
 def _sum(numbers: FacetNumbers, wanted: JobFilter) -> int:

@@ -10,6 +10,7 @@ from typing import Any, Generic, TypeVar
 
 from pydantic import computed_field
 
+from drivora_service.agents.configuration import AgentConfiguration
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability
@@ -77,6 +78,7 @@ class NewRun:
         scenario_sha256: Hash of the document.
         town: Name of the network, for filters.
         agent: Name of the ADS, for filters; several are joined by a comma.
+        configuration: The ADS with its parameters; ``None``: not known, the name stands for it.
         options: Options of the client.
         label: Display name, such as the name of its file.
         item: Place in the batch; -1: the place in the call.
@@ -99,6 +101,7 @@ class NewRun:
     feedback: FeedbackChoice | None = None
     keeps_trace: bool = True
     run_id: str = ""
+    configuration: AgentConfiguration | None = None
     candidate: CandidateSource | None = None
 
 
@@ -111,6 +114,10 @@ class RunSummary(Shape):
         label: Display name.
         batch_id: Empty for a job that was posted singly.
         item: Place in the batch.
+        configuration: The ADS with the parameters that differ from its defaults, such as
+            `idm · reaction_time 1.0`; the name alone where a run's version did not record them.
+        configuration_id: Short id of the ADS with the values of all its parameters, 8 hexadecimal
+            digits; empty where they were not recorded.
         seed: Seed that overrides the document's.
         attempts: Number of attempts.
         violations: Violated oracles, observations left out; null unless finished.
@@ -133,6 +140,8 @@ class RunSummary(Shape):
     item: int
     town: str
     agent: str
+    configuration: str
+    configuration_id: str
     seed: int | None
     scenario_sha256: str
     created_at: datetime
@@ -246,6 +255,7 @@ class JobFilter:
         batch_id: Batch of the job.
         statuses: Any of these statuses.
         agent: Agent of an ego.
+        configuration_id: Id of the agents with their parameters.
         town: Name of the network.
         oracle: Oracle with a verdict of ``outcome``.
         outcome: See ``oracle``.
@@ -262,6 +272,7 @@ class JobFilter:
     batch_id: str = ""
     statuses: frozenset[RunStatus] = frozenset()
     agent: str = ""
+    configuration_id: str = ""
     town: str = ""
     oracle: str = ""
     outcome: Outcome = Outcome.VIOLATED

@@ -79,6 +79,8 @@ def facet_conditions(wanted: JobFilter) -> list[ColumnElement[bool]]:
         conditions.append(FacetRow.status.in_(sorted(wanted.statuses)))
     if wanted.agent:
         conditions.append(FacetRow.agent == wanted.agent)
+    if wanted.configuration_id:
+        conditions.append(FacetRow.configuration_id == wanted.configuration_id)
     if wanted.town:
         conditions.append(FacetRow.town == wanted.town)
     if wanted.violated is not None:
@@ -100,6 +102,7 @@ def facet_passes(facet: Facet, wanted: JobFilter) -> bool:
     return (
         (not wanted.statuses or facet.status in wanted.statuses)
         and wanted.agent in ("", facet.agent)
+        and wanted.configuration_id in ("", facet.configuration_id)
         and wanted.town in ("", facet.town)
         and wanted.violated in (None, facet.violated)
         and wanted.accountability in (None, facet.accountability)

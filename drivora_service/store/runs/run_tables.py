@@ -103,6 +103,8 @@ class RunRow(Base):
     document_sha256: Mapped[str] = mapped_column(ForeignKey("documents.sha256"))
     town: Mapped[str] = mapped_column(String(100))
     agent: Mapped[str] = mapped_column(String(200))
+    configuration: Mapped[str] = mapped_column(String(400), default="", server_default=text("''"))
+    configuration_id: Mapped[str] = mapped_column(String(8), default="", server_default=text("''"))
     agent_override: Mapped[str] = mapped_column(String(200))
     seed_override: Mapped[int | None]
     feedback: Mapped[str | None] = mapped_column(Text)

@@ -68,6 +68,9 @@ class SuiteDecision(Shape):
         suite: Name of the suite.
         agent: ADS that drove every ego; empty: as in the scenarios.
         agent_parameters: Its parameters that were set, as `NAME=VALUE`.
+        configuration: The ADS with the parameters that differ from its defaults; empty if the
+            scenarios have different ones, or if it was not recorded.
+        configuration_id: Short id of the ADS with all its parameters; empty likewise.
         fails: Whether the gate fails.
         sentence: How things stand, in one sentence.
         reasons: Why the gate fails, one sentence each.
@@ -84,6 +87,8 @@ class SuiteDecision(Shape):
     suite: str
     agent: str
     agent_parameters: tuple[str, ...]
+    configuration: str = ""
+    configuration_id: str = ""
     fails: bool
     sentence: str
     reasons: tuple[str, ...]

@@ -42,6 +42,7 @@ class SuiteRunRepository:
             id=new_id(),
             suite=decision.suite,
             agent=decision.agent,
+            configuration_id=decision.configuration_id,
             created_at=datetime.now(UTC),
             fails=decision.fails,
             scenarios=decision.scenarios,
@@ -81,25 +82,34 @@ class SuiteRunRepository:
         return combine(SuiteRunRecord, _summary(row), outcomes=tuple(one for _, one in outcomes))
 
     def page(
-        self, *, suite: str = "", agent: str = "", limit: int = 50, page_token: str = ""
+        self,
+        *,
+        suite: str = "",
+        agent: str = "",
+        configuration_id: str = "",
+        limit: int = 50,
+        page_token: str = "",
     ) -> Page[SuiteRunSummary]:
         """Returns runs of suites, newest first.
 
         Args:
             suite: Only those of this suite; "": of any.
             agent: Only those of this ADS; "": of any.
+            configuration_id: Only those of this ADS with its parameters; "": of any.
             limit: Greatest number of them.
             page_token: Token of the page.
 
         Raises:
             InvalidDocument: The token is not one of this list.
         """
-        scope = f"suite runs {suite!r} {agent!r}"
+        scope = f"suite runs {suite!r} {agent!r} {configuration_id!r}"
         query = select(SuiteRunRow).order_by(SuiteRunRow.seq.desc()).limit(limit + 1)
         if suite:
             query = query.where(SuiteRunRow.suite == suite)
         if agent:
             query = query.where(SuiteRunRow.agent == agent)
+        if configuration_id:
+            query = query.where(SuiteRunRow.configuration_id == configuration_id)
         if page_token:
             query = query.where(SuiteRunRow.seq < read_token(scope, page_token))
         rows = self._session.scalars(query).all()
@@ -123,12 +133,15 @@ class SuiteRunRepository:
             for row in self._session.execute(query)
         )
 
-    def history(self, suite: str, *, agent: str = "", limit: int = 30) -> SuiteHistory:
+    def history(
+        self, suite: str, *, agent: str = "", configuration_id: str = "", limit: int = 30
+    ) -> SuiteHistory:
         """Returns the last runs of a suite, and what became of its scenarios in them.
 
         Args:
             suite: Name of the suite.
             agent: Only runs of this ADS; "": of any.
+            configuration_id: Only runs of this ADS with its parameters; "": of any.
             limit: Number of runs, the last ones.
 
         Raises:
@@ -137,6 +150,8 @@ class SuiteRunRepository:
         query = select(SuiteRunRow).where(SuiteRunRow.suite == suite)
         if agent:
             query = query.where(SuiteRunRow.agent == agent)
+        if configuration_id:
+            query = query.where(SuiteRunRow.configuration_id == configuration_id)
         newest = self._session.scalars(query.order_by(SuiteRunRow.seq.desc()).limit(limit)).all()
         if not newest:
             raise UnknownName("suite", suite, tuple(one.suite for one in self.suites()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import ForeignKey, Index, String, Text
+from sqlalchemy import ForeignKey, Index, String, Text, text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from drivora_service.store.engine.base_tables import Base
@@ -23,6 +23,7 @@ class SuiteRunRow(Base):
     id: Mapped[str] = mapped_column(String(40), unique=True)
     suite: Mapped[str] = mapped_column(String(200))
     agent: Mapped[str] = mapped_column(String(200))
+    configuration_id: Mapped[str] = mapped_column(String(8), default="", server_default=text("''"))
     created_at: Mapped[datetime]
     fails: Mapped[bool]
     scenarios: Mapped[int]

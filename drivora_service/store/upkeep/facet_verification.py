@@ -29,6 +29,7 @@ def _facets_of_runs(session: Session) -> Iterator[Finding]:
             or_(
                 FacetRow.key.is_(None),
                 FacetRow.agent != RunRow.agent,
+                FacetRow.configuration_id != RunRow.configuration_id,
                 FacetRow.town != RunRow.town,
                 FacetRow.status != RunRow.status,
                 FacetRow.violated.is_distinct_from(violated),
