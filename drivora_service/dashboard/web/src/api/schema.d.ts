@@ -2135,6 +2135,16 @@ export interface components {
             budget: number;
             /** @description Its place in the study; null if it is of none. */
             cell?: components["schemas"]["StudyCell"] | null;
+            /**
+             * Configuration
+             * @description The ADS with the parameters that differ from its defaults, such as `idm · reaction_time 1.0`.
+             */
+            configuration: string;
+            /**
+             * Configuration Id
+             * @description Short id of the ADS with all its parameters; empty if not recorded.
+             */
+            configuration_id: string;
             counts: components["schemas"]["CampaignCounts"];
             /**
              * Created At
@@ -2717,6 +2727,16 @@ export interface components {
             budget: number;
             /** @description Its place in the study; null if it is of none. */
             cell?: components["schemas"]["StudyCell"] | null;
+            /**
+             * Configuration
+             * @description The ADS with the parameters that differ from its defaults, such as `idm · reaction_time 1.0`.
+             */
+            configuration: string;
+            /**
+             * Configuration Id
+             * @description Short id of the ADS with all its parameters; empty if not recorded.
+             */
+            configuration_id: string;
             counts: components["schemas"]["CampaignCounts"];
             /**
              * Created At
@@ -2897,7 +2917,7 @@ export interface components {
         ComparedBatch: {
             /**
              * Agents
-             * @description Agents of its egos, with the parameters in which the batches differ.
+             * @description Agents of its egos, with the parameters that differ from their defaults; with those in which the batches differ, where that does not tell them apart.
              */
             agents: string[];
             /**
@@ -2975,6 +2995,24 @@ export interface components {
             time_limits_s: {
                 [key: string]: number;
             };
+        };
+        /**
+         * ConfigurationCount
+         * @description The number of runs of an ADS with its parameters.
+         */
+        ConfigurationCount: {
+            /**
+             * Id
+             * @description Value of the filter `configuration`.
+             */
+            id: string;
+            /** Runs */
+            runs: number;
+            /**
+             * Words
+             * @description Name of the ADS with the parameters that differ from its defaults.
+             */
+            words: string;
         };
         /**
          * Confirmation
@@ -3308,6 +3346,16 @@ export interface components {
              * @description Why it has no result, as in `error`; empty if it has one.
              */
             cause: string;
+            /**
+             * Configuration
+             * @description The ADS of its campaign with the parameters that differ from its defaults.
+             */
+            configuration: string;
+            /**
+             * Configuration Id
+             * @description Short id of the ADS with all its parameters; empty if not recorded.
+             */
+            configuration_id: string;
             /** @description Why it has no result. */
             error: components["schemas"]["RunFailure"] | null;
             /**
@@ -3991,6 +4039,16 @@ export interface components {
              * @description Campaign that found it; empty for a run outside campaigns.
              */
             campaign_id: string;
+            /**
+             * Configuration
+             * @description The ADS with the parameters that differ from its defaults.
+             */
+            configuration: string;
+            /**
+             * Configuration Id
+             * @description Short id of the ADS with all its parameters; empty if not recorded.
+             */
+            configuration_id: string;
             /** @description Whether an identical run repeated it; null outside campaigns. */
             confirmation: components["schemas"]["Confirmation"] | null;
             /**
@@ -4329,6 +4387,16 @@ export interface components {
              * @description Why the run was not judged, as in `error`; empty otherwise.
              */
             cause: string;
+            /**
+             * Configuration
+             * @description The ADS with the parameters that differ from its defaults, such as `idm · reaction_time 1.0`; the name alone where a run's version did not record them.
+             */
+            configuration: string;
+            /**
+             * Configuration Id
+             * @description Short id of the ADS with the values of all its parameters, 8 hexadecimal digits; empty where they were not recorded.
+             */
+            configuration_id: string;
             /**
              * Created At
              * Format: date-time
@@ -6096,6 +6164,16 @@ export interface components {
              */
             cause: string;
             /**
+             * Configuration
+             * @description The ADS with the parameters that differ from its defaults, such as `idm · reaction_time 1.0`; the name alone where a run's version did not record them.
+             */
+            configuration: string;
+            /**
+             * Configuration Id
+             * @description Short id of the ADS with the values of all its parameters, 8 hexadecimal digits; empty where they were not recorded.
+             */
+            configuration_id: string;
+            /**
              * Created At
              * Format: date-time
              */
@@ -6256,6 +6334,11 @@ export interface components {
              */
             at_fault: number;
             /**
+             * Configurations
+             * @description By agent with its parameters, in the order of the words; runs of versions that did not record it are left out.
+             */
+            configurations: components["schemas"]["ConfigurationCount"][];
+            /**
              * Not At Fault
              * @description With violations, none at an ego's fault; with `oracle`, with a verdict that no ego was at fault.
              */
@@ -6386,6 +6469,16 @@ export interface components {
              * @description Why the run was not judged, as in `error`; empty otherwise.
              */
             cause: string;
+            /**
+             * Configuration
+             * @description The ADS with the parameters that differ from its defaults, such as `idm · reaction_time 1.0`; the name alone where a run's version did not record them.
+             */
+            configuration: string;
+            /**
+             * Configuration Id
+             * @description Short id of the ADS with the values of all its parameters, 8 hexadecimal digits; empty where they were not recorded.
+             */
+            configuration_id: string;
             /**
              * Created At
              * Format: date-time
@@ -7795,6 +7888,18 @@ export interface components {
              */
             baseline: string;
             /**
+             * Configuration
+             * @description The ADS with the parameters that differ from its defaults; empty if the scenarios have different ones, or if it was not recorded.
+             * @default
+             */
+            configuration: string;
+            /**
+             * Configuration Id
+             * @description Short id of the ADS with all its parameters; empty likewise.
+             * @default
+             */
+            configuration_id: string;
+            /**
              * Counts
              * @description Number of failures of each class.
              */
@@ -8017,6 +8122,18 @@ export interface components {
              */
             baseline: string;
             /**
+             * Configuration
+             * @description The ADS with the parameters that differ from its defaults; empty if the scenarios have different ones, or if it was not recorded.
+             * @default
+             */
+            configuration: string;
+            /**
+             * Configuration Id
+             * @description Short id of the ADS with all its parameters; empty likewise.
+             * @default
+             */
+            configuration_id: string;
+            /**
              * Counts
              * @description Number of failures of each class.
              */
@@ -8125,6 +8242,18 @@ export interface components {
              * @description Name of the baseline; empty without one.
              */
             baseline: string;
+            /**
+             * Configuration
+             * @description The ADS with the parameters that differ from its defaults; empty if the scenarios have different ones, or if it was not recorded.
+             * @default
+             */
+            configuration: string;
+            /**
+             * Configuration Id
+             * @description Short id of the ADS with all its parameters; empty likewise.
+             * @default
+             */
+            configuration_id: string;
             /**
              * Counts
              * @description Number of failures of each class.
@@ -11079,6 +11208,8 @@ export interface operations {
                 accountability?: components["schemas"]["Accountability"] | null;
                 /** @description Of this agent. */
                 agent?: string;
+                /** @description Of the agents with all their parameters that have this `configuration_id`. */
+                configuration?: string;
                 /** @description On this network. */
                 town?: string;
                 /** @description Found by this campaign. */
@@ -11172,6 +11303,8 @@ export interface operations {
                 accountability?: components["schemas"]["Accountability"] | null;
                 /** @description Of this agent. */
                 agent?: string;
+                /** @description Of the agents with all their parameters that have this `configuration_id`. */
+                configuration?: string;
                 /** @description On this network. */
                 town?: string;
                 /** @description Found by this campaign. */
@@ -11722,6 +11855,8 @@ export interface operations {
                 status?: components["schemas"]["RunStatus"][] | null;
                 /** @description Driven by this agent. */
                 agent?: string;
+                /** @description Of the agents with all their parameters that have this `configuration_id`. */
+                configuration?: string;
                 /** @description On this network. */
                 town?: string;
                 /** @description With the verdict `outcome` of this oracle. */
@@ -12717,6 +12852,8 @@ export interface operations {
                 status?: components["schemas"]["RunStatus"][] | null;
                 /** @description Driven by this agent. */
                 agent?: string;
+                /** @description Of the agents with all their parameters that have this `configuration_id`. */
+                configuration?: string;
                 /** @description On this network. */
                 town?: string;
                 /** @description With the verdict `outcome` of this oracle. */
@@ -13478,6 +13615,8 @@ export interface operations {
                 status?: components["schemas"]["RunStatus"][] | null;
                 /** @description Driven by this agent. */
                 agent?: string;
+                /** @description Of the agents with all their parameters that have this `configuration_id`. */
+                configuration?: string;
                 /** @description On this network. */
                 town?: string;
                 /** @description With the verdict `outcome` of this oracle. */
@@ -14718,6 +14857,8 @@ export interface operations {
                 suite?: string;
                 /** @description Driven by this agent. */
                 agent?: string;
+                /** @description Of the agents with all their parameters that have this `configuration_id`. */
+                configuration?: string;
                 /** @description Items of a page. */
                 limit?: number;
                 /** @description `next_page_token` of the page before, of the same query. */
@@ -14987,6 +15128,8 @@ export interface operations {
                 suite: string;
                 /** @description Driven by this agent. */
                 agent?: string;
+                /** @description Of the agents with all their parameters that have this `configuration_id`. */
+                configuration?: string;
                 /** @description Number of runs, the last ones. */
                 runs?: number;
             };
@@ -15067,6 +15210,8 @@ export interface operations {
                 status?: components["schemas"]["RunStatus"][] | null;
                 /** @description Driven by this agent. */
                 agent?: string;
+                /** @description Of the agents with all their parameters that have this `configuration_id`. */
+                configuration?: string;
                 /** @description On this network. */
                 town?: string;
                 /** @description With the verdict `outcome` of this oracle. */

@@ -89,6 +89,9 @@ export function useFound(wanted: boolean, text: string): readonly Found[] {
   ];
 }
 
-function runFound(run: Pick<Schemas["RunSummary"], "id" | "label" | "agent" | "town">): Found {
-  return { kind: "run", id: run.id, name: run.label || run.id, note: `${run.agent}, ${run.town}` };
+function runFound(
+  run: Pick<Schemas["RunSummary"], "id" | "label" | "configuration" | "town">,
+): Found {
+  const note = `${run.configuration}, ${run.town}`;
+  return { kind: "run", id: run.id, name: run.label || run.id, note };
 }

@@ -2,6 +2,7 @@ import { useQuery } from "@tanstack/react-query";
 import { Link, useParams } from "@tanstack/react-router";
 import { api, body } from "../../api/client";
 import { Copy } from "../../components/Copy";
+import { configurationFilter } from "../../components/configuration";
 import { Mark } from "../../components/Mark";
 import { count, moment } from "../../components/numbers";
 import { Shares } from "../../components/Shares";
@@ -95,10 +96,25 @@ function Facets({ batch }: { readonly batch: Batch }) {
       body(await api.GET("/api/v1/runs:counts", { params: { query: { batch: batch.id } } })),
   });
   if (!counts.data) return null;
+  const configurations = configurationFilter(counts.data.configurations);
+  const ids = Object.keys(configurations.counts);
   return (
     <>
+      {ids.length > 1 && (
+        <BatchParts
+          title="ADS"
+          numbers={configurations.counts}
+          searchFor={(configuration) => ({ batch: batch.id, configuration })}
+          words={(id) => configurations.words[id] ?? id}
+        />
+      )}
       {(["agent", "town"] as const)
-        .filter((name) => Object.keys(counts.data[name]).length > 1)
+        // ADSs of which only the name was recorded have no id.
+        .filter(
+          (name) =>
+            Object.keys(counts.data[name]).length >
+            (name === "agent" ? Math.max(ids.length, 1) : 1),
+        )
         .map((name) => (
           <BatchParts
             key={name}

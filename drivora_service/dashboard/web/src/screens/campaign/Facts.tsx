@@ -1,6 +1,7 @@
 import { Link } from "@tanstack/react-router";
 import type { ReactNode } from "react";
 import type { Schemas } from "../../api/client";
+import { Ads } from "../../components/Ads";
 import { count, duration } from "../../components/numbers";
 import { Progress } from "../../components/Progress";
 import { useDiscoveries } from "../campaigns/discoveries";
@@ -8,12 +9,13 @@ import { CURVE_POINTS } from "./Found";
 
 /** What a campaign searches, and how far it is. */
 export function Facts({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
-  const { tester, agent, town, study_id, cell, simulations, budget, rate, left_s, state } =
-    campaign;
+  const { tester, town, study_id, cell, simulations, budget, rate, left_s, state } = campaign;
   return (
     <dl className="head-facts">
       <Fact name="Method">{cell?.method ?? tester}</Fact>
-      <Fact name="ADS">{cell?.agent ?? agent}</Fact>
+      <Fact name="ADS">
+        <Ads of={campaign} {...(cell ? { label: cell.agent } : {})} />
+      </Fact>
       <Fact name="Scene">{cell?.scenario ?? town}</Fact>
       {study_id && (
         <Fact name="Part of">

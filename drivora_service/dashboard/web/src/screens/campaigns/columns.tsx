@@ -1,5 +1,6 @@
 import { Link } from "@tanstack/react-router";
 import type { Schemas } from "../../api/client";
+import { Ads } from "../../components/Ads";
 import { Sparkline } from "../../components/charts/Sparkline";
 import type { Column } from "../../components/DataTable";
 import { Mark } from "../../components/Mark";
@@ -62,7 +63,7 @@ export const COLUMNS: readonly Column<Campaign>[] = [
     ),
   },
   { id: "tester", title: "Method", width: "100px", cell: ({ tester }) => tester },
-  { id: "agent", title: "ADS", width: "104px", cell: ({ agent }) => agent },
+  { id: "agent", title: "ADS", width: "104px", cell: (one) => <Ads of={one} /> },
   {
     id: "scene",
     title: "Scene",

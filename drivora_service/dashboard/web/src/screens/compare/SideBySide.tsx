@@ -23,7 +23,7 @@ const FACTS: readonly Fact[] = [
     show: ({ state, request }) => <Mark {...lookOfSearch(state, request)} />,
   },
   { title: "Method", of: ({ cell, tester }) => cell?.method ?? tester },
-  { title: "ADS", of: ({ cell, agent }) => cell?.agent ?? agent },
+  { title: "ADS", of: ({ cell, configuration }) => cell?.agent ?? configuration },
   { title: "Scene", of: ({ cell, town }) => cell?.scenario ?? town },
   {
     title: "Simulations",

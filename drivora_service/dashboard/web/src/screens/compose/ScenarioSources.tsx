@@ -87,7 +87,7 @@ export function RunSource({
       <datalist id="newest-runs">
         {newest.data?.map((run) => (
           <option key={run.id} value={run.id}>
-            {[run.label, run.agent, run.town].filter(Boolean).join(", ")}
+            {[run.label, run.configuration, run.town].filter(Boolean).join(", ")}
           </option>
         ))}
       </datalist>

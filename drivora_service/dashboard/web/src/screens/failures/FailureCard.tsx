@@ -1,5 +1,6 @@
 import { Link } from "@tanstack/react-router";
 import type { Schemas } from "../../api/client";
+import { Ads } from "../../components/Ads";
 import { Copy } from "../../components/Copy";
 import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
@@ -56,7 +57,7 @@ export function FailureCard({ failure }: { readonly failure: Schemas["FoundFailu
           </dd>
           <dt>Ego</dt>
           <dd>
-            {verdict.ego}, {failure.agent}
+            {verdict.ego}, <Ads of={failure} />
             {verdict.counterpart && `, with ${verdict.counterpart}`}
           </dd>
           <dt>Town</dt>

@@ -29,7 +29,7 @@ export function Failures() {
   const search = useSearch({ from: "/failures" });
   const navigate = useNavigate();
   const names = useFailureNames();
-  const ofFailures = failureFilters(names.oracles, names.agents, names.towns);
+  const ofFailures = failureFilters(names.oracles, names.agents, names.configurations, names.towns);
   const group = firstOf(search, "group");
   const baseline = firstOf(search, "baseline");
   const ofGroups = [...GROUP_FILTERS, BASELINE, ...(baseline ? [SINCE_FILTER] : [])];

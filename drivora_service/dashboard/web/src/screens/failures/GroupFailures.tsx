@@ -2,6 +2,7 @@ import { useNavigate } from "@tanstack/react-router";
 import { useState } from "react";
 import { firstOf, type Search } from "../../address";
 import { api, body, type Schemas } from "../../api/client";
+import { Ads } from "../../components/Ads";
 import { type Column, DataTable } from "../../components/DataTable";
 import { Mark } from "../../components/Mark";
 import { fixed, moment } from "../../components/numbers";
@@ -37,7 +38,7 @@ const COLUMNS: readonly Column<Failure>[] = [
         <span className="quiet">not recorded</span>
       ),
   },
-  { id: "agent", title: "ADS", width: "104px", cell: ({ agent }) => agent },
+  { id: "agent", title: "ADS", width: "104px", cell: (one) => <Ads of={one} /> },
   { id: "town", title: "Town", width: "98px", cell: ({ town }) => town },
   {
     id: "time",

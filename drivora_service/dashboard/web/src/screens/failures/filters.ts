@@ -1,3 +1,4 @@
+import { configurationFilter } from "../../components/configuration";
 import type { Filter } from "../../components/filterValues";
 import { ACCOUNTABILITY_WORDS } from "../runs/filters";
 import { SINCE, SINCES, STATUS, STATUSES } from "./triage";
@@ -6,6 +7,7 @@ import { SINCE, SINCES, STATUS, STATUSES } from "./triage";
 export function failureFilters(
   oracles: readonly string[],
   agents: readonly string[],
+  configurations: Parameters<typeof configurationFilter>[0],
   towns: readonly string[],
 ): readonly Filter[] {
   return [
@@ -25,6 +27,7 @@ export function failureFilters(
       single: true,
     },
     { name: "agent", title: "ADS", values: agents, single: true },
+    ofConfiguration(configurations),
     { name: "town", title: "Town", values: towns, single: true },
     {
       name: "confirmation",
@@ -38,6 +41,12 @@ export function failureFilters(
     { name: "batch", title: "Batch", single: true },
     { name: "since", title: "Found since", time: true, single: true },
   ];
+}
+
+/** Without numbers: those of runs are not those of failures. */
+function ofConfiguration(known: Parameters<typeof configurationFilter>[0]): Filter {
+  const { counts, ...filter } = configurationFilter(known);
+  return { ...filter, values: Object.keys(counts) };
 }
 
 /** The filters of groups, beside those of their failures. */

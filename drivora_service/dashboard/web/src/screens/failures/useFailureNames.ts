@@ -10,5 +10,10 @@ export function useFailureNames() {
   });
   const names = (counts: Readonly<Record<string, number>> | undefined) =>
     Object.entries(counts ?? {}).flatMap(([name, number]) => (number > 0 ? [name] : []));
-  return { oracles: names(data?.oracle), agents: names(data?.agent), towns: names(data?.town) };
+  return {
+    oracles: names(data?.oracle),
+    agents: names(data?.agent),
+    configurations: data?.configurations ?? [],
+    towns: names(data?.town),
+  };
 }

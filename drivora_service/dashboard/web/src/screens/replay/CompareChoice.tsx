@@ -1,6 +1,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import type { Schemas } from "../../api/client";
+import { Ads } from "../../components/Ads";
 import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
 import { lookOfRun } from "../runs/status";
@@ -111,7 +112,7 @@ function Group({
           <span>{one.label || one.id}</span>
           <Mark {...lookOfRun(one)} />
           <span className="quiet">
-            {one.agent}
+            <Ads of={one} />
             {one.seed !== null && `, seed ${one.seed}`}
           </span>
           <span className="quiet">{moment(one.created_at)}</span>

@@ -1,5 +1,6 @@
 import { Link } from "@tanstack/react-router";
 import type { Schemas } from "../../api/client";
+import { Ads } from "../../components/Ads";
 import { Mark } from "../../components/Mark";
 import { fixed } from "../../components/numbers";
 import { lookOfRun } from "../runs/status";
@@ -39,7 +40,11 @@ export function CompareLine({
             {other.label || other.id}
           </Link>
         )}{" "}
-        {other && <span className="quiet">{other.agent}</span>}
+        {other && (
+          <span className="quiet">
+            <Ads of={other} />
+          </span>
+        )}
       </span>
       {other && <Mark {...lookOfRun(other)} />}
       {other && <Gravest run={other} />}
@@ -111,7 +116,7 @@ export function Caption({ place, run }: { readonly place: string; readonly run: 
     <>
       <span className="quiet">{place}</span>
       <b>{run.label || run.id}</b>
-      <span>{run.agent}</span>
+      <Ads of={run} />
     </>
   );
 }

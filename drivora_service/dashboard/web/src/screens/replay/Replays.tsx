@@ -1,6 +1,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import type { Schemas } from "../../api/client";
+import { Ads } from "../../components/Ads";
 import { moment } from "../../components/numbers";
 import { originOf } from "./compareChoices";
 import { RunAgain } from "./RunAgain";
@@ -30,7 +31,7 @@ export function Replays({ run }: { readonly run: Schemas["Run"] }) {
                   {one.label || one.id}
                 </Link>{" "}
                 <span className="quiet">
-                  {one.agent}, {moment(one.created_at)}
+                  <Ads of={one} />, {moment(one.created_at)}
                 </span>
               </li>
             ))}

@@ -1,6 +1,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { Link, useParams } from "@tanstack/react-router";
 import type { Schemas } from "../../api/client";
+import { Ads } from "../../components/Ads";
 import { Copy } from "../../components/Copy";
 import { type Column, DataTable } from "../../components/DataTable";
 import { Mark, type MarkLook } from "../../components/Mark";
@@ -34,7 +35,7 @@ export function Run() {
         <h1 title={run.label || run.id}>{run.label || run.id}</h1>
         <Mark {...lookOfRun(run)} />
         <p className="answer">
-          {run.agent} on{" "}
+          <Ads of={run} /> on{" "}
           <Link to="/networks/$name" params={{ name: run.town }} search={{}}>
             {run.town}
           </Link>

@@ -4,7 +4,7 @@ import { choicesOf, originOf, pastedId, repeatLabel } from "./compareChoices";
 const run = (id: string, scenario: string, label = "", trace = "t") => ({
   id,
   label,
-  agent: "idm",
+  configuration: "idm",
   scenario_sha256: scenario,
   trace_sha256: trace,
 });

@@ -3,7 +3,7 @@ import { isId } from "../../shell/found";
 
 type Summary = Pick<
   Schemas["RunSummary"],
-  "id" | "label" | "agent" | "scenario_sha256" | "trace_sha256"
+  "id" | "label" | "configuration" | "scenario_sha256" | "trace_sha256"
 >;
 
 /** Runs of a group that are offered. */
@@ -22,7 +22,7 @@ export function choicesOf<Run extends Summary>(
 ): { readonly scenario: readonly Run[]; readonly network: readonly Run[] } {
   const wanted = words.toLowerCase().split(/\s+/).filter(Boolean);
   const usable = (one: Run) => {
-    const text = `${one.id} ${one.label} ${one.agent}`.toLowerCase();
+    const text = `${one.id} ${one.label} ${one.configuration}`.toLowerCase();
     return (
       one.id !== run.id && one.trace_sha256 !== "" && wanted.every((word) => text.includes(word))
     );

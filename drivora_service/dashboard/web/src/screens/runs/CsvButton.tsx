@@ -15,6 +15,8 @@ const FIELDS = [
   "item",
   "town",
   "agent",
+  "configuration",
+  "configuration_id",
   "seed",
   "violations",
   "at_fault_violations",

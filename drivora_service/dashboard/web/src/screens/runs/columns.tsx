@@ -1,5 +1,6 @@
 import { Link } from "@tanstack/react-router";
 import type { Schemas } from "../../api/client";
+import { adsHint } from "../../components/configuration";
 import type { Column } from "../../components/DataTable";
 import { Mark } from "../../components/Mark";
 import { MiddleCut } from "../../components/MiddleCut";
@@ -35,7 +36,14 @@ export function runColumns(oldestFirst: boolean, onSort: () => void): readonly C
       id: "agent",
       title: "ADS",
       width: "minmax(110px, 1fr)",
-      cell: (run) => <Same name="agent" value={run.agent} />,
+      cell: (run) => <SameAds run={run} />,
+    },
+    {
+      id: "configuration_id",
+      title: "ADS id",
+      width: "90px",
+      hint: "Short id of the ADS with all its parameters",
+      cell: (run) => <code>{run.configuration_id}</code>,
     },
     {
       id: "town",
@@ -165,6 +173,21 @@ function Same({ name, value }: { readonly name: string; readonly value: string }
       title={`Only runs with ${value}`}
     >
       {value}
+    </Link>
+  );
+}
+
+/** The ADS with its parameters, which leads to the runs that it drove too. */
+function SameAds({ run }: { readonly run: Run }) {
+  if (!run.configuration_id) return <Same name="agent" value={run.agent} />;
+  return (
+    <Link
+      to="/runs"
+      search={(now) => ({ ...now, configuration: run.configuration_id })}
+      className="ink"
+      title={`Only runs with ${adsHint(run)}`}
+    >
+      {run.configuration}
     </Link>
   );
 }

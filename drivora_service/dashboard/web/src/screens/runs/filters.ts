@@ -1,5 +1,6 @@
 import { firstOf, type Search } from "../../address";
 import type { Schemas } from "../../api/client";
+import { configurationFilter } from "../../components/configuration";
 import type { Filter } from "../../components/filterValues";
 import { NOT_JUDGED, STATUS_WORDS } from "./status";
 
@@ -68,6 +69,7 @@ export function runFilters(
       ? [sameScenario(firstOf(search, "scenario_sha256"))]
       : []),
     { name: "agent", title: "ADS", single: true, counts: counts?.agent ?? {} },
+    configurationFilter(counts?.configurations ?? []),
     { name: "town", title: "Town", single: true, counts: counts?.town ?? {} },
     {
       name: "campaign",

@@ -33,13 +33,21 @@ export function SuiteScreen({
   useTitle(suite);
   const navigate = useNavigate();
   const agent = firstOf(search, "agent");
+  const configuration = firstOf(search, "configuration");
   const drivers = useDrivers(suite);
   const query = useQuery({
-    queryKey: ["suite", "list", suite, agent],
+    queryKey: ["suite", "list", suite, agent, configuration],
     queryFn: async () =>
       body(
         await api.GET("/api/v1/suites:history", {
-          params: { query: { suite, runs: RUNS, ...(agent ? { agent } : {}) } },
+          params: {
+            query: {
+              suite,
+              runs: RUNS,
+              ...(agent ? { agent } : {}),
+              ...(configuration ? { configuration } : {}),
+            },
+          },
         }),
       ),
   });
@@ -77,7 +85,7 @@ export function SuiteScreen({
           )}
         </p>
       </div>
-      <Filters filters={[drivers]} search={search} />
+      <Filters filters={drivers} search={search} />
       {query.isPending && <Loading rows={12} />}
       {query.isError && <Refused error={query.error} onRepeat={() => void query.refetch()} />}
       {history && last && (

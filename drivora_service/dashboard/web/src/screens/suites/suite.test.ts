@@ -4,6 +4,8 @@ import {
   changeSentence,
   changesBetween,
   comparedRuns,
+  configurationsOf,
+  driverOf,
   type History,
   labelStride,
   type Outcome,
@@ -60,9 +62,24 @@ it("the ADSs that drove a suite are counted, runs of each scenario's own are not
   expect(runsByDriver([{ agent: "idm" }, { agent: "" }, { agent: "idm" }])).toEqual({ idm: 2 });
 });
 
+it("an ADS and its slowed version are two that drove a suite, named by their parameters", () => {
+  const plain = { agent: "idm", agent_parameters: [], configuration: "idm" };
+  const slowed = { ...plain, configuration: "idm · reaction_time 1.0" };
+  expect([plain, slowed].map(driverOf)).toEqual(["idm", "idm · reaction_time 1.0"]);
+  const ids = [
+    { ...plain, configuration_id: "a" },
+    { ...slowed, configuration_id: "b" },
+  ];
+  expect(configurationsOf([...ids, { configuration: "", configuration_id: "" }])).toEqual([
+    { id: "a", words: "idm", runs: 1 },
+    { id: "b", words: "idm · reaction_time 1.0", runs: 1 },
+  ]);
+});
+
 const run = (agent: string, created_at: string, drivora = "1") => ({
   agent,
   agent_parameters: [],
+  configuration: "",
   created_at,
   versions: { drivora, numpy: "2" },
 });

@@ -1,4 +1,5 @@
 import type { Schemas } from "../../api/client";
+import type { configurationFilter } from "../../components/configuration";
 import type { MarkLook, Tone } from "../../components/Mark";
 import { count, moment } from "../../components/numbers";
 
@@ -37,7 +38,9 @@ export function shareWords({ mean, low, high }: Schemas["SuiteEstimate-Output"])
 export function driverOf({
   agent,
   agent_parameters,
-}: Pick<SuiteRun, "agent" | "agent_parameters">) {
+  configuration,
+}: Pick<SuiteRun, "agent" | "agent_parameters" | "configuration">) {
+  if (configuration) return configuration;
   return [agent || "as in the scenarios", ...agent_parameters].join(", ");
 }
 
@@ -53,7 +56,10 @@ export interface RunName {
 
 /** Returns the names of runs, which differ unless two runs began in the same second. */
 export function runNames(
-  runs: readonly Pick<SuiteRun, "agent" | "agent_parameters" | "created_at" | "versions">[],
+  runs: readonly Pick<
+    SuiteRun,
+    "agent" | "agent_parameters" | "configuration" | "created_at" | "versions"
+  >[],
 ): readonly RunName[] {
   const times = runs.map(({ created_at }) => moment(created_at));
   const differ = (of: (time: string) => string) => new Set(times.map(of)).size === times.length;
@@ -106,6 +112,19 @@ export function runsByDriver(
   const numbers = new Map<string, number>();
   for (const { agent } of runs) if (agent) numbers.set(agent, (numbers.get(agent) ?? 0) + 1);
   return Object.fromEntries(numbers);
+}
+
+/** Returns the ADSs with parameters that drove runs, with how many of them each drove. */
+export function configurationsOf(
+  runs: readonly Pick<SuiteRun, "configuration" | "configuration_id">[],
+): Parameters<typeof configurationFilter>[0] {
+  const found = new Map<string, { id: string; words: string; runs: number }>();
+  for (const { configuration = "", configuration_id: id = "" } of runs) {
+    const known = found.get(id);
+    if (known) known.runs += 1;
+    else if (id) found.set(id, { id, words: configuration, runs: 1 });
+  }
+  return [...found.values()];
 }
 
 /** Returns whether a scenario passed in all runs that had it. */
