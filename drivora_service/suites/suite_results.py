@@ -11,6 +11,7 @@ from typing import Literal
 
 from pydantic import ValidationError
 
+from drivora_service.agents.configuration import AgentConfiguration
 from drivora_service.errors import ConfigurationError
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.run_report import RunStatus
@@ -34,6 +35,9 @@ class SuiteRun(Shape):
         message: The reason in words; empty otherwise.
         town: Name of the road network.
         agents: Name of each ego's ADS, by the ego's id.
+        configuration: The ADSs with the parameters that differ from their defaults; empty in files
+            of versions that did not record it.
+        configuration_id: Short id of the ADSs with all their parameters; empty likewise.
         violations: Violated verdicts.
         metrics: Measured values by name; null: not measurable.
         trace_sha256: Hash of the trace; empty where nothing was recorded.
@@ -50,6 +54,8 @@ class SuiteRun(Shape):
     message: str = ""
     town: str = ""
     agents: Mapping[str, str] = field(default_factory=dict)
+    configuration: str = ""
+    configuration_id: str = ""
     violations: tuple[Verdict, ...] = ()
     metrics: Mapping[str, float | None] = field(default_factory=dict)
     trace_sha256: str = ""
@@ -94,6 +100,16 @@ class SuiteResults(Shape):
     shards: tuple[str, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     runs: tuple[SuiteRun, ...]
+
+    @property
+    def configuration(self) -> AgentConfiguration | None:
+        """The ADS of all runs with its parameters; ``None`` if they have several or none."""
+        found = {
+            AgentConfiguration(words=run.configuration, id=run.configuration_id)
+            for run in self.runs
+            if run.configuration_id
+        }
+        return found.pop() if len(found) == 1 else None
 
     def of_scenario(self) -> dict[str, list[SuiteRun]]:
         """Returns the runs of each scenario."""

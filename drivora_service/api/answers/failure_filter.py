@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import Depends, Query
 from pydantic import AwareDatetime
 
+from drivora_service.api.answers.query_parameters import Configuration
 from drivora_service.oracles.verdicts.accountability import Accountability
 from drivora_service.store.campaigns.campaign_records import Confirmation
 from drivora_service.store.failures.failure_records import FoundFilter
@@ -21,6 +22,7 @@ async def _found_filter(
         Query(description="For which an ego is accountable so far; `avoidable`: its fault."),
     ] = None,
     agent: Annotated[str, Query(max_length=200, description="Of this agent.")] = "",
+    configuration: Configuration = "",
     town: Annotated[str, Query(max_length=100, description="On this network.")] = "",
     campaign: Annotated[str, Query(max_length=40, description="Found by this campaign.")] = "",
     study: Annotated[
@@ -43,6 +45,7 @@ async def _found_filter(
         at_fault=at_fault,
         accountability=accountability,
         agent=agent,
+        configuration_id=configuration,
         town=town,
         campaign_id=campaign,
         study_id=study,

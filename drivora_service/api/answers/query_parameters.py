@@ -33,6 +33,13 @@ PageToken = Annotated[
 Points = Annotated[
     int, Query(ge=2, le=2000, description="Points of a curve; evenly spaced if it has more.")
 ]
+Configuration = Annotated[
+    str,
+    Query(
+        max_length=8,
+        description="Of the agents with all their parameters that have this `configuration_id`.",
+    ),
+]
 Label = Annotated[str, Query(max_length=LONGEST_LABEL, description="Display name.")]
 
 
@@ -63,6 +70,7 @@ RunOverrides = Annotated[Overrides, Depends(_overrides)]
 async def _run_conditions(
     status: Annotated[list[RunStatus] | None, Query(description="In any of these states.")] = None,
     agent: Annotated[str, Query(max_length=200, description="Driven by this agent.")] = "",
+    configuration: Configuration = "",
     town: Annotated[str, Query(max_length=100, description="On this network.")] = "",
     oracle: Annotated[
         str, Query(max_length=60, description="With the verdict `outcome` of this oracle.")
@@ -88,6 +96,7 @@ async def _run_conditions(
     return JobFilter(
         statuses=frozenset(status or ()),
         agent=agent,
+        configuration_id=configuration,
         town=town,
         oracle=oracle,
         outcome=outcome,

@@ -12,9 +12,11 @@ from drivora_service.api.context import ApiContext
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.agent_parameters import AgentParameter, with_agent_parameters
 from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.overrides import with_overrides
 from drivora_service.store.runs.run_records import NewRun, RunOptions
 
 if TYPE_CHECKING:
+    from drivora_service.agents.catalogue import AgentCatalogue
     from drivora_service.scenario.validation import ValidScenario
 
 
@@ -80,9 +82,20 @@ def check_overrides(context: ApiContext, overrides: Overrides) -> None:
         raise InvalidDocument((Problem(pointer="", code="agent_not_installed", message=message),))
 
 
-def new_run(valid: ValidScenario, options: RunOptions, *, item: int, label: str) -> NewRun:
-    """Returns the run of a scenario that can be run."""
+def new_run(
+    valid: ValidScenario, options: RunOptions, agents: AgentCatalogue, *, item: int, label: str
+) -> NewRun:
+    """Returns the run of a scenario that can be run.
+
+    Args:
+        valid: The scenario.
+        options: Options of the run.
+        agents: The agents, for the defaults of their parameters.
+        item: Place in the batch.
+        label: Display name.
+    """
     scenario = valid.scenario
+    driven = with_overrides(scenario, agent=options.agent_override, seed=None)
     document = canonical_json(scenario)
     names = dict.fromkeys(ego.agent.name for ego in scenario.ego_vehicles)
     return NewRun(
@@ -90,6 +103,7 @@ def new_run(valid: ValidScenario, options: RunOptions, *, item: int, label: str)
         scenario_sha256=hashlib.sha256(document.encode()).hexdigest(),
         town=scenario.map_region.town,
         agent=options.agent_override or ",".join(names),
+        configuration=agents.configuration(ego.agent for ego in driven.ego_vehicles),
         options=options,
         label=label,
         item=item,

@@ -127,6 +127,8 @@ SUITE_RUN_REQUEST: dict[str, Any] = {
         "suite": "smoke",
         "agent": "idm",
         "agent_parameters": [],
+        "configuration": "idm",
+        "configuration_id": "c4b436a4",
         "fails": True,
         "sentence": "Gate failed: 1 new against the baseline; 1 of 2 scenarios fail in 2 judged "
         "runs",

@@ -222,7 +222,7 @@ def _check_documents(
             options = overrides.options
             if scenario.seed is not None:
                 options = replace(options, seed_override=scenario.seed)
-            runs.append(new_run(valid, options, item=item, label=scenario.label))
+            runs.append(new_run(valid, options, context.agents, item=item, label=scenario.label))
             checked.notes[item] = valid.notes
             continue
         except InvalidDocument as error:

@@ -122,6 +122,7 @@ def get_evaluation(
         record,
         lineage,
         context.gene_spaces.of(campaign, record.seed_number),
+        campaign,
         f"{PREFIX}/campaigns/{campaign_id}/evaluations/{number}",
         run_url=run_url,
         has_trace=is_recorded and trace.is_file(),

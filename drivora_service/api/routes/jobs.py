@@ -57,7 +57,7 @@ def post_job(
     def prepare() -> Work:
         check_overrides(context, overrides)
         valid = Checker(context, overrides).validate(body, form)
-        run = new_run(valid, overrides.options, item=0, label=label)
+        run = new_run(valid, overrides.options, context.agents, item=0, label=label)
         owner_id = context.reserve(1)
 
         def commit(transaction: Transaction) -> Answer:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import Depends, Query, Request, Response
 
 from drivora_service.api.answers import request_bodies
-from drivora_service.api.answers.query_parameters import Limit, PageToken
+from drivora_service.api.answers.query_parameters import Configuration, Limit, PageToken
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import recorded_examples
 from drivora_service.api.documentation.openapi import answers
@@ -54,11 +54,14 @@ def suite_history(
     context: Context,
     suite: Annotated[str, Query(min_length=1, max_length=200, description="Of this suite.")],
     agent: _AgentName = "",
+    configuration: Configuration = "",
     runs: Annotated[int, Query(ge=1, le=200, description="Number of runs, the last ones.")] = 30,
 ) -> Response:
     """Returns the last runs of a suite, and what became of each scenario in them."""
     with context.database.read() as transaction:
-        history = transaction.suite_runs.history(suite, agent=agent, limit=runs)
+        history = transaction.suite_runs.history(
+            suite, agent=agent, configuration_id=configuration, limit=runs
+        )
     return json_answer(request, SuiteHistory, history)
 
 
@@ -109,13 +112,18 @@ def list_suite_runs(
     context: Context,
     suite: _SuiteName = "",
     agent: _AgentName = "",
+    configuration: Configuration = "",
     limit: Limit = 50,
     page_token: PageToken = "",
 ) -> Response:
     """Lists runs of suites, newest first."""
     with context.database.read() as transaction:
         page = transaction.suite_runs.page(
-            suite=suite, agent=agent, limit=limit, page_token=page_token
+            suite=suite,
+            agent=agent,
+            configuration_id=configuration,
+            limit=limit,
+            page_token=page_token,
         )
     return json_answer(request, Page[SuiteRunSummary], page)
 

@@ -114,6 +114,8 @@ class Evaluation(EvaluationSummary):
         step_cost_us: Mean wall microseconds a step.
         agent_cost_us: Share of each ego's agent in that, by the ego's id.
         agents: Agent of each ego.
+        configuration: The ADS of its campaign with the parameters that differ from its defaults.
+        configuration_id: Short id of the ADS with all its parameters; empty if not recorded.
         privileged: Egos that saw more than the perception model lets through.
         versions: Versions of what took part in the run, by name.
         search_s: Processor seconds that the tester took for it.
@@ -139,6 +141,8 @@ class Evaluation(EvaluationSummary):
     step_cost_us: float
     agent_cost_us: Mapping[str, float]
     agents: Mapping[str, AgentChoice]
+    configuration: str
+    configuration_id: str
     privileged: tuple[str, ...]
     trace_sha256: str
     versions: Mapping[str, Any]
@@ -205,6 +209,7 @@ def evaluation_of(
     record: EvaluationRecord,
     lineage: tuple[EvaluationSummary, ...],
     space: GeneSpace | None,
+    campaign: CampaignRecord,
     url: str,
     *,
     run_url: str,
@@ -220,6 +225,8 @@ def evaluation_of(
         genes=_blocks(space, record.proposal.values),
         values=tuple(record.proposal.values.tolist()),
         lineage=lineage,
+        configuration=campaign.configuration,
+        configuration_id=campaign.configuration_id,
         error=report.failure,
         failures=record.violations,
         features=dict(measurement.features) if measurement else {},

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from pydantic import Field, model_validator
 
+from drivora_service.agents.configuration import ID_LENGTH
 from drivora_service.api.schemas.base import Schema
 from drivora_service.shapes import Shape
 from drivora_service.store.suites.suite_records import SuiteDecision, SuiteOutcome, SuiteSummary
@@ -40,6 +41,8 @@ class SuiteRunRequest(Schema):
             raise ValueError(f"the name of a suite has 1 to {_LONGEST_NAME} characters")
         if len(self.decision.agent) > _LONGEST_NAME:
             raise ValueError(f"the name of an ADS has at most {_LONGEST_NAME} characters")
+        if len(self.decision.configuration_id) > ID_LENGTH:
+            raise ValueError(f"the id of a configuration has at most {ID_LENGTH} characters")
         return self
 
 

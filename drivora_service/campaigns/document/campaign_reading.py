@@ -12,6 +12,7 @@ from typing import Any, Literal, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.agents.configuration import AgentConfiguration
 from drivora_service.campaigns.document.campaign import Campaign
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_documents import (
@@ -74,6 +75,7 @@ class ValidCampaign:
         seeds: The seed scenarios, at least one.
         notes: Notes on how the document was interpreted.
         versions: Versions of the packages and ADSs from outside Drivora that it names, by name.
+        configuration: The ADSs of all egos with their parameters.
     """
 
     document: CampaignDocument
@@ -81,6 +83,7 @@ class ValidCampaign:
     seeds: tuple[SeedScenario, ...]
     notes: tuple[str, ...]
     versions: Mapping[str, str]
+    configuration: AgentConfiguration
 
     @property
     def agent(self) -> str:
@@ -195,6 +198,9 @@ def read_campaign(
             *_oracle_notes(campaign, seeds, catalogues.testers),
         ),
         versions=_versions(campaign, [seed.scenario for seed in seeds], catalogues),
+        configuration=catalogues.agents.configuration(
+            ego.agent for seed in seeds for ego in seed.scenario.ego_vehicles
+        ),
     )
 
 

@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 
+from drivora_service.agents.configuration import AgentConfiguration
 from drivora_service.campaigns.evaluator import Answer
 from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.run_report import RunReport, RunSpec
@@ -111,6 +112,9 @@ class QueueEvaluator:
             scenario_sha256=hashlib.sha256(document.encode()).hexdigest(),
             town=_town_of(document) if self._has_several_seeds else self._campaign.town,
             agent=self._campaign.agent,
+            configuration=AgentConfiguration(
+                words=self._campaign.configuration, id=self._campaign.configuration_id
+            ),
             options=RunOptions(agent_override=spec.agent, seed_override=spec.seed),
             label=f"{self._campaign.name[:150]} #{number}",
             item=number,

@@ -62,6 +62,7 @@ def new_campaign(valid: ValidCampaign) -> NewCampaign:
         document=campaign_text(valid.document),
         tester=campaign.tester.name,
         agent=valid.agent,
+        configuration=valid.configuration,
         town=valid.town,
         network_sha256=valid.network_sha256,
         budget=campaign.budget,

@@ -98,6 +98,6 @@ def _scenario(
             dict.fromkeys((tag(town), *map(tag, oracles), tag(f"found-by-{campaign.tester}")))
         ),
         oracles=tuple(counting),
-        comment=f"{sentence} Found by {campaign.tester} against {campaign.agent}: evaluation "
-        f"{failure.evaluation} of campaign {campaign.id}.",
+        comment=f"{sentence} Found by {campaign.tester} against {campaign.configuration}: "
+        f"evaluation {failure.evaluation} of campaign {campaign.id}.",
     )

@@ -23,10 +23,10 @@ def print_failures(failures: Sequence[FoundFailure]) -> None:
         "",
         ("failure", "group", "found at", "agent", "what happened"),
         [
-            (str(one.id), one.group_id, _moment(one.found_at), one.agent, one.sentence)
+            (str(one.id), one.group_id, _moment(one.found_at), one.configuration, one.sentence)
             for one in failures
         ],
-        wrap=("what happened",),
+        wrap=("agent", "what happened"),
     )
 
 

@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
-from drivora_service.cli.terminal.options import DataDirOption, ServerOption, parse_choice
+from drivora_service.cli.terminal.options import (
+    ConfigurationOption,
+    DataDirOption,
+    ServerOption,
+    parse_choice,
+)
 from drivora_service.cli.terminal.output import JsonOption, fail, print_shape
 
 if TYPE_CHECKING:
@@ -48,6 +53,7 @@ def list_failures(
     group: Annotated[str, typer.Option(metavar="GROUP", help="Of this group.")] = "",
     oracle: _OracleOption = "",
     agent: _AgentOption = "",
+    configuration: ConfigurationOption = "",
     town: _TownOption = "",
     accountability: _AccountabilityOption = "",
     campaign: _CampaignOption = "",
@@ -59,7 +65,9 @@ def list_failures(
     as_json: JsonOption = False,
 ) -> None:
     """Lists failures, the last found first."""
-    wanted = _make_filter(group, oracle, agent, town, accountability, campaign, study, batch)
+    wanted = _make_filter(
+        group, oracle, agent, configuration, town, accountability, campaign, study, batch
+    )
     with open_client(server, data_dir) as client:
         from drivora_service.api.schemas.failures import FoundFailure
 
@@ -98,6 +106,7 @@ def groups(
     ] = "",
     oracle: _OracleOption = "",
     agent: _AgentOption = "",
+    configuration: ConfigurationOption = "",
     town: _TownOption = "",
     accountability: _AccountabilityOption = "",
     campaign: _CampaignOption = "",
@@ -112,7 +121,9 @@ def groups(
     from drivora_service.errors import InvalidDocument
     from drivora_service.store.failures.group_records import GroupStatus, SinceBaseline
 
-    wanted = _make_filter("", oracle, agent, town, accountability, campaign, study, batch)
+    wanted = _make_filter(
+        "", oracle, agent, configuration, town, accountability, campaign, study, batch
+    )
     statuses = tuple(parse_choice(GroupStatus, one, "--status") for one in status or ())
     if since_baseline and not baseline:
         raise typer.BadParameter("needs --baseline", param_hint="--since-baseline")
@@ -284,6 +295,7 @@ def _make_filter(
     group: str,
     oracle: str,
     agent: str,
+    configuration: str,
     town: str,
     accountability: str,
     campaign: str,
@@ -296,6 +308,7 @@ def _make_filter(
         group=group,
         oracle=oracle,
         agent=agent,
+        configuration_id=configuration,
         town=town,
         accountability=_accountability(accountability),
         campaign_id=campaign,

@@ -19,17 +19,18 @@ def print_replays(replays: Sequence[Replay]) -> None:
     """Prints a row a run, what is to be said of those that are not identical, and the numbers."""
     print_table(
         "",
-        ("run", "label", "outcome", "first difference"),
+        ("run", "label", "agent", "outcome", "first difference"),
         (
             (
                 replay.run.id,
                 replay.run.label or "-",
+                replay.run.configuration,
                 replay.outcome.replace("_", " "),
                 "-" if replay.divergence is None else _place(replay.divergence),
             )
             for replay in replays
         ),
-        wrap=("first difference",),
+        wrap=("agent", "first difference"),
         cut=("label",),
     )
     for replay in replays:

@@ -115,6 +115,8 @@ def print_result(result: ScenarioResult, *, where: str = "") -> None:
     if run.metrics:
         metrics = ((name, number(value, 3)) for name, value in run.metrics.items())
         print_table("Metrics", ("metric", "value"), metrics)
+    if run.configuration_id:
+        print(f"Configuration {run.configuration_id}: {run.configuration}")
     for ego, agent in run.agents.items():
         parameters = (f"{name} {json.dumps(value)}" for name, value in agent.parameters.items())
         print(f"Agent of {ego}: {', '.join((agent.name, *parameters))}")
@@ -135,14 +137,15 @@ def print_runs(runs: Sequence[RunSummary]) -> None:
                 run.label or "-",
                 run.status.replace("_", " "),
                 run.town,
-                run.agent,
+                run.configuration,
                 "-" if run.violations is None else str(run.violations),
                 "-" if run.at_fault_violations is None else str(run.at_fault_violations),
                 f"{run.created_at.astimezone():%Y-%m-%d %H:%M:%S}",
             )
             for run in runs
         ),
-        cut=("label", "agent"),
+        wrap=("agent",),
+        cut=("label",),
     )
 
 

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
-from drivora_service.cli.terminal.options import DataDirOption, ServerOption, location, parse_choice
+from drivora_service.cli.terminal.options import (
+    ConfigurationOption,
+    DataDirOption,
+    ServerOption,
+    location,
+    parse_choice,
+)
 from drivora_service.cli.terminal.out_option import check_file
 from drivora_service.cli.terminal.output import JsonOption, find_entry, print_shape, write_text
 
@@ -30,6 +36,7 @@ def list_runs(
         typer.Option(metavar="STATUS", help="With this status; may be repeated."),
     ] = None,
     agent: Annotated[str, typer.Option(metavar="NAME", help="Driven by this agent.")] = "",
+    configuration: ConfigurationOption = "",
     town: Annotated[str, typer.Option(metavar="NAME", help="On this road network.")] = "",
     oracle: Annotated[str, typer.Option(metavar="NAME", help="That violated this oracle.")] = "",
     violated: Annotated[
@@ -50,6 +57,7 @@ def list_runs(
             batch_id=batch,
             statuses=_statuses(status or ()),
             agent=agent,
+            configuration_id=configuration,
             town=town,
             oracle=oracle,
             violated=violated,

@@ -9,7 +9,7 @@ import typer
 
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.service.table_files import TableFormat, save_tables
-from drivora_service.cli.terminal.options import DataDirOption, ServerOption
+from drivora_service.cli.terminal.options import ConfigurationOption, DataDirOption, ServerOption
 from drivora_service.cli.terminal.out_option import check_folder
 from drivora_service.cli.terminal.output import find_entry
 
@@ -38,6 +38,7 @@ def export(
         typer.Option("--study", metavar="ID", help="Runs of this study; may be repeated."),
     ] = None,
     agent: Annotated[str, typer.Option(metavar="NAME", help="Only runs of this agent.")] = "",
+    configuration: ConfigurationOption = "",
     formats: Annotated[
         list[TableFormat] | None,
         typer.Option("--format", help="Format of the files [default: both]; may be repeated."),
@@ -64,7 +65,7 @@ def export(
                 batches=batches or (),
                 campaigns=campaigns or (),
                 studies=studies or (),
-                wanted=JobFilter(agent=agent),
+                wanted=JobFilter(agent=agent, configuration_id=configuration),
                 form=form,
             )
 

@@ -10,6 +10,7 @@ import typer
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import (
     AgentParameterOption,
+    ConfigurationOption,
     DataDirOption,
     ServerOption,
     WorkersOption,
@@ -293,6 +294,7 @@ def history(
         str, typer.Argument(metavar="NAME", help="Name of a suite that was run; none: all of them.")
     ] = "",
     agent: Annotated[str, typer.Option(metavar="NAME", help="Driven by this agent.")] = "",
+    configuration: ConfigurationOption = "",
     runs: Annotated[int, typer.Option(min=1, max=200, help="Number of runs, the last ones.")] = 10,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
@@ -311,7 +313,7 @@ def history(
             else:
                 print_suites(suites.items)
             return
-        found = client.suite_history(suite, agent=agent, runs=runs)
+        found = client.suite_history(suite, agent=agent, configuration=configuration, runs=runs)
     if as_json:
         print_shape(type(found), found)
     else:

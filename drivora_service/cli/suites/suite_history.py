@@ -66,7 +66,7 @@ def _row(run: SuiteRunSummary) -> tuple[str, ...]:
     return (
         run.id,
         f"{run.created_at.astimezone():%Y-%m-%d %H:%M}",
-        run.agent or "-",
+        run.configuration or run.agent or "-",
         "failed" if run.fails else "passed",
         _share(run.pass_rate),
         "-" if run.score is None else number(run.score.mean),

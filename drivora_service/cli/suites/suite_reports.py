@@ -190,11 +190,13 @@ def print_scenarios(scenarios: list[SuiteScenario]) -> None:
 
 def report_content(report: SuiteReport) -> dict[str, Any]:
     """Returns the report as JSON for programs; a contract with scripts."""
-    decision = report.decision
+    decision, configuration = report.decision, report.results.configuration
     return {
         "suite": report.results.suite,
         "agent": report.results.agent,
         "agent_parameters": list(report.results.agent_parameters),
+        "configuration": "" if configuration is None else configuration.words,
+        "configuration_id": "" if configuration is None else configuration.id,
         "passed": not decision.fails,
         "sentence": decision.sentence,
         "reasons": list(decision.reasons),

@@ -221,6 +221,8 @@ def _suite_run(planned: _Planned, result: ScenarioResult) -> SuiteRun:
         town=run.town,
         # An ADS that could not be made ready has not told its parameters.
         agents={ego: agent.name for ego, agent in run.agents.items()} or {"": run.agent},
+        configuration=run.configuration,
+        configuration_id=run.configuration_id,
         violations=result.violations,
         metrics=run.metrics,
         trace_sha256=run.trace_sha256,

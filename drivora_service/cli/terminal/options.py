@@ -42,6 +42,14 @@ AgentParameterOption = Annotated[
         "value that is no JSON is text.",
     ),
 ]
+ConfigurationOption = Annotated[
+    str,
+    typer.Option(
+        "--configuration",
+        metavar="ID",
+        help="Of the agents with all their parameters that have this id; `runs show` prints it.",
+    ),
+]
 GateOracleOption = Annotated[
     list[str] | None,
     typer.Option(

@@ -160,6 +160,7 @@ def _query(wanted: FoundFilter | None) -> Query:
         "at_fault": wanted.at_fault,
         "accountability": wanted.accountability,
         "agent": wanted.agent,
+        "configuration": wanted.configuration_id,
         "town": wanted.town,
         "campaign": wanted.campaign_id,
         "study": wanted.study_id,

@@ -257,6 +257,7 @@ def job_query(wanted: JobFilter | None) -> Query:
         "batch": wanted.batch_id,
         "status": sorted(wanted.statuses),
         "agent": wanted.agent,
+        "configuration": wanted.configuration_id,
         "town": wanted.town,
         "oracle": wanted.oracle,
         "outcome": wanted.outcome if wanted.oracle else None,

@@ -46,18 +46,20 @@ def suites() -> Call[SuiteList]:
 
 
 def suite_runs(
-    *, suite: str = "", agent: str = "", limit: int | None = None
+    *, suite: str = "", agent: str = "", configuration: str = "", limit: int | None = None
 ) -> Listing[SuiteRunSummary]:
     """Returns runs of suites, newest first.
 
     Args:
         suite: Only those of this suite; "": of any.
         agent: Only those of this ADS; "": of any.
+        configuration: Only those of this ``configuration_id``; "": of any.
         limit: How many at most; ``None``: all.
     """
     from drivora_service.store.suites.suite_records import SuiteRunSummary
 
-    return make_listing(_RUNS, SuiteRunSummary, limit, query={"suite": suite, "agent": agent})
+    query = {"suite": suite, "agent": agent, "configuration": configuration}
+    return make_listing(_RUNS, SuiteRunSummary, limit, query=query)
 
 
 def suite_run(suite_run_id: str) -> Call[SuiteRunRecord]:
@@ -67,15 +69,18 @@ def suite_run(suite_run_id: str) -> Call[SuiteRunRecord]:
     return get(f"{_RUNS}/{{suite_run_id}}", SuiteRunRecord, suite_run_id=suite_run_id)
 
 
-def suite_history(suite: str, *, agent: str = "", runs: int | None = None) -> Call[SuiteHistory]:
+def suite_history(
+    suite: str, *, agent: str = "", configuration: str = "", runs: int | None = None
+) -> Call[SuiteHistory]:
     """Returns the last runs of a suite, and what became of each scenario in them.
 
     Args:
         suite: Name of the suite.
         agent: Only runs of this ADS; "": of any.
+        configuration: Only runs of this ``configuration_id``; "": of any.
         runs: Number of runs, the last ones; ``None``: as the service has it.
     """
     from drivora_service.store.suites.suite_records import SuiteHistory
 
-    query = {"suite": suite, "agent": agent, "runs": runs}
+    query = {"suite": suite, "agent": agent, "configuration": configuration, "runs": runs}
     return get(f"{PREFIX}/suites:history", SuiteHistory, query=query)

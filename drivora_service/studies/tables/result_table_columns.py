@@ -75,6 +75,16 @@ _RUNS = (
     _or_null("scenario_sha256", _TEXT, "hash of the scenario; null for an invalid candidate"),
     _or_null("town", _TEXT, "name of the road network"),
     _or_null("agent", _TEXT, "name of the ADS; several are joined by commas"),
+    _or_null(
+        "configuration",
+        _TEXT,
+        "the ADS with the parameters that differ from its defaults; several are joined by commas",
+    ),
+    _or_null(
+        "configuration_id",
+        _TEXT,
+        "short id of the ADS with the values of all its parameters; null where not recorded",
+    ),
     _or_null("seed", pa.int64(), "seed of the run: that of its job, else that of the scenario"),
     _column("status", _TEXT, "state of the run, such as `finished`"),
     _or_null("cause", _TEXT, "why it was not judged, in one word"),

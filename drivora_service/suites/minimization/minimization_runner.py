@@ -163,9 +163,9 @@ class MinimizationRunner:
         from drivora_service.suites.minimization.minimization_work import Work
         from drivora_service.suites.minimization.proposal_checking import Checker
 
-        agents = self._catalogues.agents.availability()
-        checker = Checker(self._catalogues.networks, agents)
-        work = Work(active, checker, self._trace_path)
+        agents = self._catalogues.agents
+        checker = Checker(self._catalogues.networks, agents.availability())
+        work = Work(active, checker, agents, self._trace_path)
         with database.read() as transaction:
             work.resume(
                 transaction.minimizations.reports(active.id),

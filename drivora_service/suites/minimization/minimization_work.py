@@ -6,11 +6,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.errors import TraceDamaged
 from drivora_service.observations.trace_files.checked_trace import read_checked_trace
 from drivora_service.observations.trace_files.stored_trace import StoredTrace
 from drivora_service.runs.run_report import RunReport, RunStatus
 from drivora_service.scenario.documents import parse_document
+from drivora_service.scenario.model import AgentChoice
 from drivora_service.store.minimizations.minimization_records import (
     MinimizationProgress,
     MinimizationState,
@@ -61,13 +63,18 @@ class Work:
     """
 
     def __init__(
-        self, active: ActiveMinimization, checker: Checker, trace_path: Callable[[str], Path]
+        self,
+        active: ActiveMinimization,
+        checker: Checker,
+        agents: AgentCatalogue,
+        trace_path: Callable[[str], Path],
     ) -> None:
         """Creates the work, of which the reproduction of the failure is wanted first.
 
         Args:
             active: The minimisation as it is stored.
             checker: Checks the proposals.
+            agents: The agents, for the defaults of their parameters.
             trace_path: Returns the path of a run's trace, by the run's id.
 
         Raises:
@@ -77,6 +84,7 @@ class Work:
         self.id, self.batch_id = active.id, active.batch_id
         self.waiting: set[str] = set()
         self._run_id, self._identity = active.run_id, active.failure
+        self._agents = agents
         self._trace_path = trace_path
         document = parse_document(active.document)
         self._network = checker.network_of(document)
@@ -225,6 +233,12 @@ class Work:
             scenario_sha256=checked.sha256,
             town=checked.document.map_region.town,
             agent=",".join(agents),
+            configuration=self._agents.configuration(
+                AgentChoice(name=ego.agent_name or "", parameters=ego.agent.parameters)
+                if ego.agent is not None
+                else AgentChoice(name=ego.agent_name or "")
+                for ego in egos
+            ),
             label=trial.label[:LONGEST_LABEL],
             item=len(self._results) + len(self.waiting),
             keeps_trace=trial.purpose is not Purpose.TRY,

@@ -47,7 +47,8 @@ class ComparedBatch(Shape):
         batch: Id of the batch.
         name: Display name of the batch.
         title: What sets it apart from the other one: its agents, their parameters, or versions.
-        agents: Agents of its egos, with the parameters in which the batches differ.
+        agents: Agents of its egos, with the parameters that differ from their defaults; with those
+            in which the batches differ, where that does not tell them apart.
         runs: Stored runs.
         finished: Those that were judged.
         failing: Compared runs with a failure.

@@ -87,8 +87,8 @@ def compare_runs(
     failures, by_oracle = compare_failures(scenarios), compare_oracles(scenarios)
     differences = setting_differences(first.runs, second.runs)
     agents = [
-        agents_in_words(side.runs, differences, is_b=is_b)
-        for side, is_b in ((first, False), (second, True))
+        agents_in_words(side.runs, other.runs, differences, is_b=is_b)
+        for side, other, is_b in ((first, second, False), (second, first, True))
     ]
     titles = [
         title(words, differences, name=name, other_name=other, is_b=is_b)

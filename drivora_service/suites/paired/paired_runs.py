@@ -47,6 +47,8 @@ class PairedRun:
         metrics: Measured values by name; ``None`` is "not measurable".
         agents: Agent of each ego with all its parameters; empty unless it was simulated.
         agent: Names of the agents, joined by commas.
+        configuration: The agents with the parameters that differ from their defaults.
+        configuration_id: Id of the agents with all their parameters; "" if it is not known.
         versions: Versions of the software that took part, by name.
     """
 
@@ -62,6 +64,8 @@ class PairedRun:
     metrics: Mapping[str, float | None] = field(default_factory=dict)
     agents: Mapping[str, AgentChoice] = field(default_factory=dict)
     agent: str = ""
+    configuration: str = ""
+    configuration_id: str = ""
     versions: Mapping[str, Any] = field(default_factory=dict)
 
     @property

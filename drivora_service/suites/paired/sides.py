@@ -52,9 +52,26 @@ def _find_differences(
 
 
 def agents_in_words(
-    runs: Sequence[PairedRun], differences: Sequence[SettingDifference], *, is_b: bool
+    runs: Sequence[PairedRun],
+    others: Sequence[PairedRun],
+    differences: Sequence[SettingDifference],
+    *,
+    is_b: bool,
 ) -> tuple[str, ...]:
-    """Returns the agents of a batch, each with the parameters in which the batches differ."""
+    """Returns the agents of a batch, each with the parameters that set it apart.
+
+    These are the parameters that differ from the agent's defaults. If both batches have the same
+    ones, as after a change of a default, it is the parameters in which the batches differ.
+
+    Args:
+        runs: Runs of the batch.
+        others: Runs of the other batch.
+        differences: In what the batches differ.
+        is_b: Whether it is the second batch.
+    """
+    mine, theirs = _configurations(runs), _configurations(others)
+    if mine and theirs and mine != theirs:
+        return mine
     texts = []
     for agent in _parameters(runs):
         told = [
@@ -98,6 +115,13 @@ def title(
     if text and len(text) <= _LONGEST_TITLE:
         return text
     return name if name != other_name else ""
+
+
+def _configurations(runs: Sequence[PairedRun]) -> tuple[str, ...]:
+    """Returns the configurations of runs in words; none if that of a run is not known."""
+    if not all(run.configuration_id for run in runs):
+        return ()
+    return tuple(sorted({run.configuration for run in runs}))
 
 
 def _parameters(runs: Sequence[PairedRun]) -> Mapping[str, _Values]:

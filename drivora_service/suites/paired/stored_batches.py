@@ -103,5 +103,7 @@ def _run(job: RunSummary, scenario: DrivenScenario, report: RunReport | None) ->
         metrics={} if report is None else report.metrics,
         agents={} if report is None else report.agents,
         agent=job.agent,
+        configuration=job.configuration,
+        configuration_id=job.configuration_id,
         versions={} if report is None else report.versions,
     )

@@ -29,6 +29,8 @@ class ComparedRun(Shape):
     """A run as a replay compares it.
 
     Attributes:
+        configuration: The ADS with the parameters that differ from its defaults.
+        configuration_id: Short id of the ADS with all its parameters; empty if not recorded.
         cause: Why it was not judged; empty otherwise.
         trace_sha256: Hash of its trace, also where nothing was recorded; empty without one.
         steps: Rows of the trace; null without one.
@@ -36,6 +38,8 @@ class ComparedRun(Shape):
 
     id: str
     label: str
+    configuration: str
+    configuration_id: str
     status: RunStatus
     cause: str
     trace_sha256: str

@@ -23,10 +23,13 @@ def junit_xml(report: SuiteReport) -> bytes:
     """
     suite = ElementTree.Element("testsuite", name=_clean(report.results.suite))
     suite.set("timestamp", report.created_at.isoformat(timespec="seconds"))
+    configuration = report.results.configuration
     properties = ElementTree.SubElement(suite, "properties")
     for name, value in (
         ("agent", report.results.agent),
         *(("agent_parameter", one) for one in report.results.agent_parameters),
+        ("configuration", "" if configuration is None else configuration.words),
+        ("configuration_id", "" if configuration is None else configuration.id),
         ("shards", " ".join(report.results.shards)),
         ("baseline", report.baseline),
     ):

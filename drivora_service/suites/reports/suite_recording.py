@@ -22,10 +22,13 @@ def decision_of(report: SuiteReport) -> SuiteDecision:
     results, decision = report.results, report.decision
     passing = sum(row.state in _PASSING for row in report.rows)
     scores = [row.score for row in report.rows if row.score is not None]
+    configuration = results.configuration
     return SuiteDecision(
         suite=results.suite,
         agent=results.agent,
         agent_parameters=results.agent_parameters,
+        configuration="" if configuration is None else configuration.words,
+        configuration_id="" if configuration is None else configuration.id,
         fails=decision.fails,
         sentence=decision.sentence,
         reasons=decision.reasons,

@@ -81,6 +81,9 @@ class SuiteReport:
     @property
     def subject(self) -> str:
         """The ADS with its parameters, in words."""
+        configuration = self.results.configuration
+        if configuration is not None:
+            return f"{configuration.words} ({configuration.id})"
         agent = self.results.agent or "ADSs of the scenarios"
         return ", ".join((agent, *self.results.agent_parameters))
 

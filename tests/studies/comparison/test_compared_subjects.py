@@ -33,6 +33,8 @@ def record(seed: int, **changes: Any) -> CampaignRecord:
         document=json.loads(campaign_text(document)),
         tester=document.tester.name,
         agent="idm",
+        configuration="idm",
+        configuration_id="",
         town=", ".join(one.map_region.town for one in document.seeds.values()),
         network_sha256="0" * 64,
         budget=document.budget.simulations,

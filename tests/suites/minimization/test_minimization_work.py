@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.observations.trace_files.trace_file import write_trace
 from drivora_service.observations.trace_files.trace_hash import trace_sha256
@@ -30,7 +31,7 @@ def work(tmp_path: Path) -> Work:
         budget=10,
         document=document_text(parse_document(SCENARIO)),
     )
-    return Work(active, checker(), lambda run_id: tmp_path / run_id)
+    return Work(active, checker(), AgentCatalogue(), lambda run_id: tmp_path / run_id)
 
 
 def cancelled(run_id: str) -> RunReport:
