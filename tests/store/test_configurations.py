@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 import sqlite3
 from contextlib import closing
+from importlib import import_module
 from pathlib import Path
+
+from sqlalchemy import text
 
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.configuration import AgentConfiguration
@@ -127,3 +130,32 @@ def test_runs_of_older_versions_get_their_configuration_from_their_scenarios(
         (slowed.words, slowed.id)
     }
     assert any(one.campaign_id for one in failures)
+
+
+def test_the_migration_fills_in_what_would_have_been_written(database: Database) -> None:
+    fill(database)
+    agents = AgentCatalogue()
+    slow = AgentChoice(name="idm", parameters={"reaction_time": 1.0})
+    slowed = agents.configuration([slow])
+    egos = [{"id": "ego", "agent": {"name": "idm", "parameters": dict(slow.parameters)}}]
+    migration = import_module("drivora_service.store.migrations.versions.0021_configurations")
+    with database.engine.begin() as connection:
+        # As the databases of the version before were: nothing is known of parameters.
+        body = {"body": json.dumps({"ego_vehicles": egos})}
+        connection.execute(text("UPDATE documents SET body = :body"), body)
+        for table in ("runs", "found_failures", "facets"):
+            nothing = "configuration = agent, configuration_id = ''"
+            connection.execute(text(f"UPDATE {table} SET {nothing}"))
+        migration._fill_runs(connection, agents, frozenset(agents.names()))
+        migration._fill_campaigns(connection, agents, frozenset(agents.names()))
+        migration._fill_found(connection)
+        migration._fill_facets(connection)
+    with database.read() as transaction:
+        runs = transaction.jobs.page(JobFilter(configuration_id=slowed.id)).items
+        failures = transaction.found.page(FoundFilter(configuration_id=slowed.id)).items
+        by_oracle = transaction.jobs.page(
+            JobFilter(configuration_id=slowed.id, oracle="collision")
+        ).items
+        assert list(facet_findings(transaction.session)) == []
+    assert [run.configuration for run in runs] == [slowed.words] * 2
+    assert (len(failures), len(by_oracle)) == (2, 2)

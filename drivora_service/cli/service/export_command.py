@@ -57,6 +57,8 @@ def export(
 
         if agent:
             _check_agent(client, agent)
+        if configuration:
+            _check_configuration(client, configuration)
 
         def save(path: Path, table: ResultTableName, form: TableForm) -> None:
             client.save_result_table(
@@ -71,6 +73,20 @@ def export(
 
         chosen = tuple(dict.fromkeys(formats or TableFormat))
         save_tables(out, ResultTableName, save, formats=chosen)
+
+
+def _check_configuration(client: Client, configuration_id: str) -> None:
+    """Checks that an agent with these parameters has driven a run.
+
+    Raises:
+        UnknownName: None has.
+    """
+    from drivora_service.errors import UnknownName
+
+    known = [one.id for one in client.run_counts().configurations]
+    known += [one.configuration_id for one in client.campaigns() if one.configuration_id]
+    if configuration_id not in known:
+        raise UnknownName("configuration", configuration_id, tuple(dict.fromkeys(known)))
 
 
 def _check_agent(client: Client, agent: str) -> None:

@@ -116,3 +116,21 @@ def test_what_cannot_be_done_is_told(
     ended = drivora("failures", *arguments)
     assert (ended.code, ended.out) == (2, "")
     assert told in " ".join(ended.err.split())
+
+
+def test_failures_of_one_agent_with_other_parameters_are_listed_apart(
+    drivora: Drivora, crashed: dict[str, Any], tmp_path: Path
+) -> None:
+    file = tmp_path / "crash.json"
+    file.write_text(json.dumps(crash()))
+    fast = ("--agent-parameter", "speed=9")
+    run = drivora("run", file, "--json", "--workers", "1", *fast).json()
+    found = drivora(
+        *("failures", "list", "--oracle", "collision", "--json"),
+        *("--configuration", run["configuration_id"]),
+    ).json()
+    assert [one["run_id"] for one in found] == [run["id"]]
+    assert found[0]["configuration"] == "scripted · speed 9.0"
+    assert "speed 9.0" in drivora("failures", "list").out
+    assert crashed["configuration"] == "scripted"
+    assert crashed["configuration_id"] != run["configuration_id"]

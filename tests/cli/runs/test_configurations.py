@@ -54,3 +54,6 @@ def test_an_agent_and_its_slowed_version_are_two(
     with (tmp_path / "only" / "runs.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert {row["configuration"] for row in rows} == {SLOWED}
+    unknown = drivora("export", "--out", tmp_path / "none", "--configuration", "0" * 8)
+    assert unknown.code == 2
+    assert slowed["configuration_id"] in unknown.err

@@ -125,3 +125,15 @@ def test_the_history_has_a_line_for_each_scenario_changed_ones_first(
     assert [one.scenario for one in history.scenarios] == ["c", "a", "new", "b", "gone"]
     assert [one.id for one in last.runs] == ids[-1:]
     assert [one.scenario for one in last.scenarios] == ["a", "new", "b", "c"]
+
+
+def test_runs_of_an_agent_and_its_slowed_version_are_told_apart(database: Database) -> None:
+    plain = replace(DECISION, configuration="idm", configuration_id="aaaaaaaa")
+    slowed = replace(DECISION, configuration="idm · reaction_time 1.0", configuration_id="bbbbbbbb")
+    for decision in (plain, slowed):
+        add(database, outcome("a"), outcome("b"), decision=decision)
+    with database.read() as transaction:
+        page = transaction.suite_runs.page(agent="idm", configuration_id="bbbbbbbb")
+        history = transaction.suite_runs.history("smoke", configuration_id="aaaaaaaa")
+    assert [one.configuration for one in page.items] == [slowed.configuration]
+    assert [one.configuration for one in history.runs] == ["idm"]
