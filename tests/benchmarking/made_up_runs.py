@@ -97,6 +97,8 @@ def _record(status: RunStatus, **results: Any) -> RunRecord:
         item=0,
         town="",
         agent="made-up",
+        configuration="made-up",
+        configuration_id="",
         created_at=datetime(2026, 1, 1, tzinfo=UTC),
         cancel_requested=False,
         attempts=1,

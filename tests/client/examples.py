@@ -13,6 +13,8 @@ JOB: dict[str, Any] = {
     "item": 0,
     "town": "t",
     "agent": "a",
+    "configuration": "a",
+    "configuration_id": "",
     "seed": None,
     "scenario_sha256": "",
     "created_at": "2026-01-01T00:00:00Z",

@@ -40,6 +40,8 @@ def run_of(run_id: str = "a", **changes: Any) -> RunRecord:
         "item": 0,
         "town": "tee-town",
         "agent": "idm",
+        "configuration": "idm",
+        "configuration_id": "",
         "seed": None,
         "scenario_sha256": "",
         "created_at": datetime.now(UTC),

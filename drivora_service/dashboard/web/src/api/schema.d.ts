@@ -10608,8 +10608,8 @@ export interface operations {
                     "application/vnd.apache.parquet": string;
                     /**
                      * @example evaluation,kind,at_fault,time_s,sentence
-                     *     3,"collision|road eb_1|npc_vehicle, front",,1.55,"Collided with a vehicle at 11.4 m/s relative to it (front of the ego): the record begins too late to tell: they were too near then, on road eb_1 of highway; fault undetermined."
-                     *     4,"collision|road eb_1|npc_vehicle, front",,1.55,"Collided with a vehicle at 11.4 m/s relative to it (front of the ego): the record begins too late to tell: they were too near then, on road eb_1 of highway; fault undetermined."
+                     *     3,"collision|road eb_1|npc_vehicle, front",,1.55,"Collided with a vehicle at 11.4 m/s relative to it (front of the ego): already too close when the recording started, on road eb_1 of highway; fault undetermined."
+                     *     4,"collision|road eb_1|npc_vehicle, front",,1.55,"Collided with a vehicle at 11.4 m/s relative to it (front of the ego): already too close when the recording started, on road eb_1 of highway; fault undetermined."
                      */
                     "text/csv": string;
                 };
@@ -14481,8 +14481,8 @@ export interface operations {
                     "application/vnd.apache.arrow.stream": string;
                     "application/vnd.apache.parquet": string;
                     /**
-                     * @example study_id,campaign_id,scenario,agent,method,repetition,seed,state,budget,evaluations,judged,invalid,failed,failing,at_fault,avoidable,active_s
-                     *     0193a5b0c4d2000000000016,0193a5b0c4d2000000000017,late braking,idm,random,1,4,finished,8,8,8,0,0,0,0,0,20.0
+                     * @example study_id,campaign_id,scenario,agent,configuration,configuration_id,method,repetition,seed,state,budget,evaluations,judged,invalid,failed,failing,at_fault,avoidable,active_s
+                     *     0193a5b0c4d2000000000016,0193a5b0c4d2000000000017,late braking,idm,idm,c4b436a4,random,1,4,finished,8,8,8,0,0,0,0,0,20.0
                      */
                     "text/csv": string;
                 };
@@ -15257,7 +15257,7 @@ export interface operations {
                     "application/vnd.apache.parquet": string;
                     /**
                      * @example run_id,oracle,outcome,at_fault,message
-                     *     0193a5b0c4d2000000000002,collision,violated,true,"Collided with container at 8.0 m/s: the other stood, and there was time to brake."
+                     *     0193a5b0c4d2000000000002,collision,violated,true,Collided with container at 8.0 m/s: the other had stood long enough to keep clear of it.
                      *     0193a5b0c4d2000000000002,red_light,passed,,"Crossed 0 stop lines, none on red."
                      *     0193a5b0c4d2000000000002,stop_sign,passed,,Stood at all of 0 stop signs.
                      */
