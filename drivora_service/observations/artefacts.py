@@ -99,8 +99,9 @@ def has_jumped(before: FloatArray, after: FloatArray, step_length: float) -> boo
     moved = (after - before)[[Col.X, Col.Y]]
     first, last = (state[[Col.VX, Col.VY]] * step_length for state in (before, after))
     change = last - first
-    span = float(change @ change)
-    share = 0.0 if span == 0.0 else min(max(float((moved - first) @ change) / span, 0.0), 1.0)
+    span = float((change * change).sum())
+    along = float(((moved - first) * change).sum())
+    share = 0.0 if span == 0.0 else min(max(along / span, 0.0), 1.0)
     return bool(np.hypot(*(moved - first - share * change)) > JUMP)
 
 

@@ -104,7 +104,10 @@ def test_examples_are_valid(
     text = path.read_text()
     validator.validate(json.loads(text))
     document = parse_document(text)
-    assert validate_document(document, networks, AGENTS).notes == ()
+    notes = validate_document(document, networks, AGENTS).notes
+    # Its waypoints lie far apart: the vehicle that cuts in slows down at their corners.
+    expected = ["NPC 'cut_in': slows down"] if path.stem == "highway-cut-in" else []
+    assert [note.split(" from ")[0] for note in notes] == expected
     assert document_text(document) == text
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle, Scenario
-from drivora_service.scenario.replayed_way import SlowCorner, lay_way
+from drivora_service.scenario.slow_corners import SlowCorner, find_slow_corners
 from drivora_service.scenario.waypoint_speeds import most_lateral, waypoint_speeds
 from drivora_service.scenario.weather import weather_effects
 
@@ -33,10 +33,10 @@ def bend_notes(scenario: Scenario, network: RoadNetwork) -> list[str]:
 def _note_of(npc: NpcVehicle, network: RoadNetwork, side: float) -> str:
     points = np.array([(point.x, point.y) for point in npc.route])
     waits = np.array([bool(point.wait) for point in npc.route])
-    way = lay_way(points, waypoint_speeds(npc.route, network, None), waits, side)
+    corners = find_slow_corners(points, waypoint_speeds(npc.route, network, None), waits, side)
     slow = [
         corner
-        for corner in way.slow_corners
+        for corner in corners
         if corner.speed < NOTED_SHARE * corner.asked and _is_written(npc, corner)
     ]
     if not slow:
@@ -48,9 +48,9 @@ def _note_of(npc: NpcVehicle, network: RoadNetwork, side: float) -> str:
     return (
         f"NPC {npc.id!r}: slows down from {worst.asked:.1f} m/s to {worst.speed:.1f} m/s at "
         f"waypoint {worst.number} at ({place.x:.2f}, {place.y:.2f}){more}: its way turns there by "
-        f"{math.degrees(worst.turn):.0f}° with at most {side:.1f} m/s² to the side; a wider "
-        "bend (more waypoints, where they lie far apart), a greater lateral_acceleration or a "
-        "lower speed lets it drive as asked"
+        f"{math.degrees(worst.turn):.0f}° with at most {side:.1f} m/s² to the side; many "
+        "waypoints, a metre or two apart, make the bend wide enough; a greater "
+        "lateral_acceleration or a lower speed may be enough, too"
     )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from drivora_service.agents.speed_profile import slow_down_in_time, slow_down_within
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import FloatArray
-from drivora_service.geometry.sampled_lines import distinct_points, measure_line, sample_line
+from drivora_service.geometry.sampled_lines import distinct_points, sample_line
 from drivora_service.scenario.waypoint_speeds import SIDE_GRIP_SHARE, most_lateral
 from drivora_service.simulation.motion.vehicle_dynamics import GRAVITY
 
@@ -95,7 +95,6 @@ def build_path(
     deceleration: float,
     is_vehicle: bool,
     plan: PathPlan | None = None,
-    is_sampled: bool = False,
 ) -> FollowerPath:
     """Returns the path along a line, with the speed at each of its points.
 
@@ -108,7 +107,6 @@ def build_path(
         deceleration: Planned braking, m/s², positive.
         is_vehicle: Whether grip limits the speed in bends.
         plan: Of a vehicle, stops, and braking within the grip.
-        is_sampled: Whether the points of the line are at most one metre apart already.
 
     Returns:
         The path, resampled to at most one metre between points.
@@ -118,7 +116,7 @@ def build_path(
         yaw = np.array([first_yaw or 0.0])
         zero = np.zeros(1)
         return FollowerPath(line=line[:1], yaw=yaw, arc=zero, wanted=zero, height=zero, wait=zero)
-    sampled = measure_line(line, arc) if is_sampled else sample_line(line, arc)
+    sampled = sample_line(line, arc)
     fine, bend = sampled.arc, sampled.bend
     # Between two waypoints the speed of the one ahead applies.
     ahead = np.minimum(np.searchsorted(speed_arcs, fine - 1e-6, side="left"), len(speeds) - 1)

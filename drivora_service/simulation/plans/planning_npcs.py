@@ -22,7 +22,6 @@ from drivora_service.observations.ground import frictions_along, patch_array
 from drivora_service.observations.trace import Role
 from drivora_service.scenario.model import NpcBehavior, NpcVehicle, NpcWalker, RouteEnd, Waypoint
 from drivora_service.scenario.models.actor_models import ActorKind, ActorModel, actor_model
-from drivora_service.scenario.replayed_way import lay_way
 from drivora_service.scenario.waypoint_speeds import most_lateral, waypoint_speeds
 from drivora_service.simulation.followers.follower_path import (
     FollowerPath,
@@ -108,15 +107,11 @@ def plan_npc(
     plan = None if is_parked else _path_plan(npc)
     speeds = waypoint_speeds(npc.route, network, None)
     edges: tuple[str, ...] = ()
-    is_sampled = False
     if npc.behavior is NpcBehavior.REACTIVE and not is_parked:
         changes = _lane_changes(npc, model, speeds, friction)
         line, marks, edges = _along_lanes(npc.route, network, changes)
     else:
-        waits = np.array([bool(point.wait) for point in npc.route])
-        side = most_lateral(npc.lateral_acceleration, friction)
-        way = lay_way(_straight(npc.route)[0], speeds, waits, side)
-        line, marks, is_sampled = way.line, way.marks, way.is_sampled
+        line, marks = _straight(npc.route)
     start = npc.route[0]
     yaw = start.yaw
     if yaw is None and is_parked:
@@ -127,17 +122,7 @@ def plan_npc(
         wanted = deceleration if npc.deceleration is None else npc.deceleration
         deceleration = min(wanted, model.max_deceleration, planned_grip(friction))
     path = _with_heights(
-        build_path(
-            line,
-            speeds,
-            marks,
-            yaw,
-            friction,
-            deceleration,
-            is_vehicle=True,
-            plan=plan,
-            is_sampled=is_sampled,
-        ),
+        build_path(line, speeds, marks, yaw, friction, deceleration, is_vehicle=True, plan=plan),
         network,
     )
     if patches:

@@ -37,15 +37,22 @@ def test_a_sharp_corner_is_noted_with_what_to_do() -> None:
     assert "a greater lateral_acceleration" in note
 
 
+def test_a_gentle_bend_of_coarse_waypoints_is_noted() -> None:
+    (note,) = notes(turning(10.0))
+    assert note.startswith("NPC 'npc': slows down from 26.0 m/s to 8.2 m/s at waypoint 1 at (")
+    assert "more waypoints" in note
+
+
 def test_a_bend_that_is_driven_as_asked_is_not_noted() -> None:
-    assert not notes(turning(15.0))
+    assert not notes(turning(0.5))
     assert not notes(turning(45.0, speed=3.5))
 
 
 def test_the_grip_and_the_lateral_acceleration_count() -> None:
-    (note,) = notes(turning(15.0, lateral_acceleration=1.0))
+    (note,) = notes(turning(45.0, speed=3.5, lateral_acceleration=1.0))
     assert "at most 1.0 m/s²" in note
-    assert notes(turning(20.0), weather=Weather(precipitation=100.0, precipitation_deposits=100.0))
+    wet = Weather(precipitation=100.0, precipitation_deposits=100.0)
+    assert notes(turning(45.0, speed=3.5), weather=wet)
 
 
 def test_a_speed_that_is_not_written_down_is_not_asked() -> None:
