@@ -167,8 +167,15 @@ def _drives_on(ego: EgoView, other: int, first: int, last: int, foes: _Foes) -> 
     )
     lanes = found.lane.tolist()
     entered = next((k for k, lane in enumerate(lanes) if lane in foes.junction), None)
-    if entered is not None and lanes[entered] in foes.lanes:
-        return True
+    if entered is not None:
+        # Ways lie over each other where they begin: the last lane of the passage tells them apart,
+        # or most of it where an actor swerves at its end.
+        left = next(
+            (k for k in range(entered, len(lanes)) if lanes[k] not in foes.junction), len(lanes)
+        )
+        on_way = [lane in foes.lanes for lane in lanes[entered:left]]
+        if on_way[-1] or 2 * sum(on_way) > len(on_way):
+            return True
     came_up = lanes[0] in foes.incoming
     if entered is None:
         # Round the ego it was beside all ways through the junction.

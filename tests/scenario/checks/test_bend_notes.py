@@ -40,7 +40,7 @@ def test_a_sharp_corner_is_noted_with_what_to_do() -> None:
 def test_a_gentle_bend_of_coarse_waypoints_is_noted() -> None:
     (note,) = notes(turning(10.0))
     assert note.startswith("NPC 'npc': slows down from 26.0 m/s to 8.2 m/s at waypoint 1 at (")
-    assert "more waypoints" in note
+    assert "many waypoints" in note
 
 
 def test_a_bend_that_is_driven_as_asked_is_not_noted() -> None:
