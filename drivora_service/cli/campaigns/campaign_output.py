@@ -52,8 +52,7 @@ def print_campaign(campaign: Campaign) -> None:
     print(f"Campaign {campaign.id} ({campaign.name}): {campaign.state}")
     if campaign.message:
         print(f"  {campaign.message}")
-    known = f" ({campaign.configuration_id})" if campaign.configuration_id else ""
-    print(f"  {campaign.tester} against {campaign.configuration}{known} on {campaign.town}")
+    print(f"  {campaign.tester} against {campaign.configuration} on {campaign.town}")
     print(
         f"  {campaign.simulations} of {campaign.budget} simulations in {campaign.active_s:.0f} s "
         f"({number(campaign.rate, 2)} a second); {counts.invalid} candidates invalid, "
