@@ -82,15 +82,15 @@ def _id(identities: tuple[str, ...]) -> str:
 
 def _words(choice: AgentChoice, described: Sequence[ParameterDescription] | None) -> str:
     given = dict(choice.parameters)
-    told = []
+    shown = []
     for one in described or ():
         if one.name in given:
             value = given.pop(one.name)
             if _canonical(value) != _canonical(one.default):
-                told.append((one.name, _as_declared(value, one.schema)))
+                shown.append((one.name, _as_declared(value, one.schema)))
     # Of an agent that declares no parameters, no default is known.
-    told += sorted(given.items())
-    return " · ".join((choice.name, *(f"{name} {_value_text(value)}" for name, value in told)))
+    shown += sorted(given.items())
+    return " · ".join((choice.name, *(f"{name} {_value_text(value)}" for name, value in shown)))
 
 
 def _as_declared(value: Any, schema: Mapping[str, Any]) -> Any:

@@ -52,15 +52,6 @@ def sample_line(line: FloatArray, arc: FloatArray) -> SampledLine:
     fine = np.union1d(arc, np.linspace(0.0, arc[-1], max(2, math.ceil(arc[-1] / SPACING) + 1)))
     fine = fine[np.concatenate(([True], np.diff(fine) > _SAME))]
     x, y = np.interp(fine, arc, line[:, 0]), np.interp(fine, arc, line[:, 1])
-    return measure_line(np.column_stack((x, y)), fine)
-
-
-def measure_line(line: FloatArray, arc: FloatArray) -> SampledLine:
-    """Returns a polyline whose points are close to each other already, as it is.
-
-    Args:
-        line: (n, 2) distinct points, n >= 2, metres.
-        arc: (n,) their arc lengths, metres.
-    """
-    yaw = np.unwrap(elementary.arctan2(np.gradient(line[:, 1], arc), np.gradient(line[:, 0], arc)))
-    return SampledLine(line=line, arc=arc, yaw=yaw, bend=np.abs(np.gradient(yaw, arc)))
+    yaw = np.unwrap(elementary.arctan2(np.gradient(y, fine), np.gradient(x, fine)))
+    bend = np.abs(np.gradient(yaw, fine))
+    return SampledLine(line=np.column_stack((x, y)), arc=fine, yaw=yaw, bend=bend)

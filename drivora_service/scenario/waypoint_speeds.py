@@ -16,7 +16,7 @@ GRAVITY = 9.81
 OFF_ROAD_SPEED = 8.0
 """m/s at waypoints without a speed that lie beside all lanes."""
 SIDE_GRIP_SHARE = 0.6
-"""Share of the grip that a vehicle uses in bends, if it is told nothing else."""
+"""Share of the grip that a vehicle uses in bends, unless it has another one."""
 _MOST_SIDE_SHARE = 0.9
 """Greatest such share: some grip is left for braking, and for the corners of the line."""
 

@@ -63,9 +63,9 @@ _PROGRAM = "drivora"
 """Name of the service's programmes for traffic lights."""
 _IMPATIENT_AFTER = "30"
 _SUBLANE_WIDTH = "0.8"
+"""Metres: the middle of the range that SUMO's documentation names for cars."""
 _STANDING_SPEED = 0.1
 """m/s below which a vehicle stands."""
-"""Metres: the middle of the range that SUMO's documentation names for cars."""
 
 
 @dataclass(slots=True, eq=False)

@@ -1,1 +1,1 @@
-"""Conflicts of an ego with actors that have the right of way, and whom it hinders."""
+"""Conflicts of an ego with actors that have the right of way, and the actors that it hinders."""

@@ -37,7 +37,7 @@ driver farther away has no need to brake yet (UN Regulation No. 152 tests emerge
 before a meeting on)."""
 
 _EARLIER = 1.0
-"""Seconds before the ego is in the way in which a driver who sees it come may brake for it."""
+"""Seconds before the ego is in the way in which another driver may brake for it."""
 
 _MEASURED = 0.5
 """Seconds over which braking is measured."""
@@ -53,6 +53,9 @@ _HEADWAY = 3.0
 
 _ALONE = 20.0
 """The same in metres, at low speeds."""
+
+_SAMPLES = 40
+"""Places on a vehicle's way at which actors ahead are looked for, closer than cars are long."""
 
 _BESIDE = 2.5
 """Metres from a vehicle's path up to which an actor is ahead of it."""
@@ -82,17 +85,23 @@ def hindered_braking(
     caused = 0.0
     for begun, ended in stretches(braking >= _EASED):
         worst = begun + int(np.argmax(braking[begun:ended]))
-        if braking[worst] > caused and _is_caused(
-            ego, other, ego.first + first + worst, (first, last), lanes
+        hardest = float(braking[worst])
+        if hardest > caused and _is_caused(
+            ego, other, ego.first + first + worst, hardest, (first, last), lanes
         ):
-            caused = float(braking[worst])
+            caused = hardest
     return caused
 
 
 def _is_caused(
-    ego: EgoView, other: int, worst: int, passage: tuple[int, int], lanes: frozenset[int]
+    ego: EgoView,
+    other: int,
+    worst: int,
+    hardest: float,
+    passage: tuple[int, int],
+    lanes: frozenset[int],
 ) -> bool:
-    """Returns whether the ego caused a braking that is hardest in a row of the trace."""
+    """Returns whether the ego caused a braking of ``hardest`` m/s² in a row of the trace."""
     trace = ego.trace
     onset = _onset(ego, other, worst)
     course = follow_course(ego, other, onset)
@@ -102,9 +111,12 @@ def _is_caused(
     if not any(_would_meet(ego, other, each, onset, speed, passage) for each in courses):
         return False
     allowed = allowed_speeds(ego, course, onset, lanes)
-    return not _follows(ego, other, course, worst) and _is_too_slow(
-        ego, other, course, allowed, onset, worst
-    )
+    if _follows(ego, other, course, worst):
+        return False
+    asked = float(np.interp(course.arc_at(trace.states[worst, other]), course.arc, allowed))
+    # Where its way asks for no slowing, no driver brakes that hard without a reason.
+    is_harsh = hardest > _COMFORTABLE and asked >= _UNSLOWED * speed
+    return is_harsh or _is_too_slow(ego, other, course, allowed, worst)
 
 
 def _braking(states: FloatArray, present: BoolArray, step: float) -> FloatArray:
@@ -125,18 +137,13 @@ def _braking(states: FloatArray, present: BoolArray, step: float) -> FloatArray:
     if not len(slowing):
         return slowing
     # A window longer than the record would lengthen the result.
-    count = min(_window(step), len(slowing))
+    count = min(max(round(_MEASURED / step), 1), len(slowing))
     # By sums, which are the same bits on every processor.
     summed = np.concatenate(([0.0], np.cumsum(slowing)))
     first = np.clip(np.arange(len(slowing)) - count // 2, 0, len(slowing))
     last = np.clip(np.arange(len(slowing)) + (count + 1) // 2, 0, len(slowing))
     braking: FloatArray = (summed[last] - summed[first]) / count
     return np.where(present, np.maximum(braking, 0.0), 0.0)
-
-
-def _window(step: float) -> int:
-    """Returns the rows over which braking is measured."""
-    return max(round(_MEASURED / step), 1)
 
 
 def _onset(ego: EgoView, other: int, worst: int) -> int:
@@ -207,10 +214,7 @@ def _follows(ego: EgoView, other: int, course: Course, row: int) -> bool:
     speed = math.hypot(state[Col.VX], state[Col.VY])
     reach = max(_ALONE, _HEADWAY * speed)
     arc = course.arc_at(state)
-    ahead = (course.arc > arc) & (course.arc <= arc + reach + _ALONE)
-    samples = np.linspace(arc, min(arc + reach, float(course.arc[-1])), 40)
-    if not ahead.any() or len(samples) < 2:
-        return False
+    samples = np.linspace(arc, min(arc + reach, float(course.arc[-1])), _SAMPLES)
     way = np.column_stack(
         (np.interp(samples, course.arc, course.x), np.interp(samples, course.arc, course.y))
     )
@@ -228,29 +232,18 @@ def _follows(ego: EgoView, other: int, course: Course, row: int) -> bool:
     return False
 
 
-def _is_too_slow(
-    ego: EgoView, other: int, course: Course, allowed: FloatArray, onset: int, worst: int
-) -> bool:
+def _is_too_slow(ego: EgoView, other: int, course: Course, allowed: FloatArray, worst: int) -> bool:
     """Returns whether a vehicle becomes slower than its own way asks while it brakes.
-
-    Where its way asks for no slowing, it brakes harder than any driver does without a reason.
 
     Args:
         ego: The ego.
         other: Row of the vehicle in the trace.
         course: Its way.
         allowed: (p,) m/s that its way allows at the places of its course.
-        onset: Row of the trace in which the braking begins.
         worst: Row of the trace in which it brakes hardest.
     """
     trace = ego.trace
-    speed = math.hypot(*trace.states[onset, other, [Col.VX, Col.VY]])
-    asked = float(np.interp(course.arc_at(trace.states[worst, other]), course.arc, allowed))
-    before = slice(max(worst - _window(ego.step_length), 0), worst + _window(ego.step_length))
-    hardest = _braking(trace.states[before, other], trace.present[before, other], ego.step_length)
-    if asked >= _UNSLOWED * speed and float(hardest.max(initial=0.0)) > _COMFORTABLE:
-        return True
-    # Until it no longer brakes: a driver for whom the way is enough stops braking at its speed.
+    # Until it no longer brakes: what brakes for its own way stops at the speed that this asks for.
     states, present = trace.states[worst:, other], trace.present[worst:, other]
     braking = _braking(states, present, trace.step_length)
     eased = np.flatnonzero((braking < _EASED) | ~present)

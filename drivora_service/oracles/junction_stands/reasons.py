@@ -50,7 +50,7 @@ def excused_rows(ego: EgoView, stand: JunctionStand, *, headway: float) -> BoolA
     with np.errstate(invalid="ignore"):
         excused |= (lights >= Light.YELLOW) & (distance >= 0.0) & (distance <= _needed(ego, stand))
     touched = [one.step for one in ego.trace.contacts if ego.row in (one.ego, one.other)]
-    # A driver who has had an accident stays where it happened.
+    # After an accident, the ego stays where it happened.
     excused |= rows >= min(touched, default=ego.trace.step_count)
     return excused
 

@@ -42,7 +42,7 @@ class LaneOrder:
         """Has the actors lifted off their lanes for a step that have passed others on them.
 
         Args:
-            k: The frame that SUMO is told of next.
+            k: The frame that SUMO gets next.
             is_moved: (N,) rows that the service moves.
             actors: The actors that it moves, by row.
         """

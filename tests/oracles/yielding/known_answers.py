@@ -1,4 +1,4 @@
-"""The answers of a second reader to the situations: whom the ego hinders in each.
+"""The answers of a second reader to the situations: the actors that the ego hinders in each.
 
 Written from traces and pictures, without knowing the oracle that judges them. Sources: the Vienna
 Convention on Road Traffic of 1968 (articles 18, 21 and 23); RSS, rule 3 (Shalev-Shwartz, Shammah,
@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 
 class Answer(NamedTuple):
-    """Whom the ego hinders in a situation.
+    """The actors that the ego hinders in a situation.
 
     Attributes:
         hindered: Ids of the actors; empty if the ego takes no right of way.

@@ -1,4 +1,4 @@
-"""A situation of right of way: a scenario, and the others whom the ego hinders in it."""
+"""A situation of right of way: a scenario, and what SUMO drives in it."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Pedestrian:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Situation:
-    """A situation of right of way; ``known_answers`` has whom the ego hinders in it.
+    """A situation of right of way; ``known_answers`` has the actors that the ego hinders.
 
     Attributes:
         name: In kebab-case.

@@ -39,7 +39,7 @@ def driver(enters: float) -> NpcVehicle:
 def test_a_driver_stops_behind_a_wreck_that_another_vehicle_drove_through(
     enters: float, mirrored: bool
 ) -> None:
-    """Whether SUMO is told of the passing as it happens, or later, and whoever is there then."""
+    """Whether SUMO knows of the passing as it happens or later, and whatever is there then."""
     egos = (
         ego(place(LANE, 80), place(LANE, 130), name="wreck"),
         ego(place("-north_2_0", 10), place("-north_2_0", 130), name="witness"),

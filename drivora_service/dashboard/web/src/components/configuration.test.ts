@@ -2,7 +2,7 @@ import { expect, it } from "vitest";
 import { adsHint, configurationFilter } from "./configuration";
 import { offered, wordsFor } from "./filterValues";
 
-it("an ADS is told with its id, unless that was not recorded", () => {
+it("an ADS is shown with its id, unless that was not recorded", () => {
   expect(adsHint({ configuration: "idm", configuration_id: "1234abcd" })).toBe("idm (1234abcd)");
   expect(adsHint({ configuration: "idm", configuration_id: "" })).toBe("idm");
 });

@@ -101,7 +101,7 @@ it("a collision comes before an earlier violation that did no harm", () => {
   expect(sorted[0]?.oracle).toBe("collision");
 });
 
-it("an artefact of the simulator is told from what else is not measurable", () => {
+it("an artefact of the simulator differs from what else is not measurable", () => {
   const unclear = {
     ...verdict("destination", "minor", null, 4),
     outcome: "not_measurable",
