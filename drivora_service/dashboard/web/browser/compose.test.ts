@@ -292,7 +292,7 @@ it("a search begins from an evaluation, and from what the author screen leaves",
 });
 
 it("what a run violated at an ego's fault counts in a search that begins from it", async () => {
-  const file = "roundabout-failure-to-yield-road-vale-5.json";
+  const file = "tee-town-failure-to-yield-road-station-1-4.json";
   const content: unknown = JSON.parse(readFileSync(join(SMOKE, file), "utf8"));
   const { id } = await api.post<{ id: string }>("/jobs?label=fails%20to%20yield", content);
   const { verdicts } = await api.until<Judged>(`/runs/${id}`, ({ ended_at }) => ended_at !== null);
