@@ -9,7 +9,14 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
-from benchmarks.search_scenes import FREQUENT, SEVERAL_EGOS, campaign_document, scenes_of
+from benchmarks.search_scenes import (
+    FREQUENT,
+    SEARCHED_COUNTS,
+    SEARCHED_ORACLES,
+    SEVERAL_EGOS,
+    campaign_document,
+    scenes_of,
+)
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seed_generation import generate_seeds
@@ -23,7 +30,7 @@ class Setting:
 
     Attributes:
         space: Its space, as in a campaign file.
-        oracles: Its oracles; none: those of a campaign that names none.
+        oracles: Its oracles; none: ``SEARCHED_ORACLES``.
         agent: Name of the ADS.
         parameters: Parameters of the tester.
     """
@@ -39,7 +46,8 @@ class Setting:
             "tester": {"name": tester, "parameters": self.parameters},
             "agent": {"name": self.agent},
             "space": self.space,
-            **({"oracles": list(self.oracles)} if self.oracles else {}),
+            "counts": SEARCHED_COUNTS,
+            "oracles": list(self.oracles or SEARCHED_ORACLES),
         }
 
 

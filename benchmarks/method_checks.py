@@ -87,7 +87,7 @@ def run_whole(
             ScenarioSpace(seed.scenario, seed.network, valid.campaign.space).genes
             for seed in valid.seeds
         ],
-        oracles=valid.campaign.oracles,
+        definition=valid.campaign.definition,
     )
     return {
         "method": wanted.tester,

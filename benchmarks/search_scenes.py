@@ -27,7 +27,7 @@ class Scene:
         space: What varies, as in a campaign file.
         agent: Name of the ADS.
         parameters: Those of its parameters that differ from their defaults.
-        oracles: What counts; empty: what counts in a campaign that names none.
+        oracles: What counts; empty: :data:`SEARCHED_ORACLES`.
     """
 
     name: str
@@ -50,6 +50,20 @@ FREQUENT = STUDIES / "one-ego.yaml"
 """Study with scenes at which failures are frequent, of one ego."""
 SEVERAL_EGOS = STUDIES / "several-egos.yaml"
 """Study with scenes of several egos."""
+
+
+SEARCHED_ORACLES = (
+    "collision",
+    "red_light",
+    "off_road",
+    "wrong_way",
+    "route_deviation",
+    "blocked",
+    "deadlock",
+)
+SEARCHED_COUNTS = "possibly_at_fault"
+"""What the published studies counted, which was the default when they were made: all that is not
+known to be another's fault, by these oracles."""
 
 
 @cache
@@ -83,7 +97,8 @@ def campaign_document(
         "space": scene.space,
         "budget": {"simulations": simulations},
         "seed": seed,
-        **({"oracles": list(scene.oracles)} if scene.oracles else {}),
+        "counts": SEARCHED_COUNTS,
+        "oracles": list(scene.oracles or SEARCHED_ORACLES),
     }
 
 

@@ -63,7 +63,7 @@ class Laboratory:
         search = prepare_scene(scene)
         (part,) = search.parts
         self._evaluator, self._candidates, self._folder = evaluator, part.candidates, folder
-        self._oracles = search.oracles
+        self._definition = search.definition
         self.space = part.candidates.genes
         self.network = catalogues().networks.get(scene.scenario["map_region"]["town"])
 
@@ -102,7 +102,7 @@ class Laboratory:
         return self._folder / f"{number}.parquet"
 
     def _make_ran(self, values: FloatArray, report: RunReport, trace: Trace, parent: int) -> Ran:
-        own = [one for one in violations_of(report, self._oracles) if one.at_fault]
+        own = [one for one in violations_of(report, self._definition) if one.at_fault]
         return Ran(
             values=values,
             report=report,

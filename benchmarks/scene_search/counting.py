@@ -64,7 +64,7 @@ def count(evaluator: Evaluator, scene: Scene, draws: int, seed: int) -> Counts:
     for report in run_candidates(evaluator, part, list(values)):
         if report.status is not RunStatus.FINISHED:
             continue
-        found = {accountability(one) for one in violations_of(report, search.oracles)}
+        found = {accountability(one) for one in violations_of(report, search.definition)}
         judged += 1
         at_fault += not found.isdisjoint(AT_FAULT)
         avoidable += Accountability.AVOIDABLE in found

@@ -11,8 +11,8 @@ from pathlib import Path
 from benchmarks.smoke_suite.panel import PANEL, SLOW, Driver
 from benchmarks.smoke_suite.searching import results_path
 from drivora_service.oracles.verdict import Verdict
+from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.scenario.documents import ScenarioDocument, parse_document
-from drivora_service.suites.gate.counted_failures import Counted
 from drivora_service.suites.suite import SuiteScenario
 from drivora_service.suites.suite_failures import find_failures
 from drivora_service.suites.suite_results import read_results
@@ -101,7 +101,7 @@ def candidates(work: Path, suite: str) -> Iterator[Candidate]:
     judged: Counter[str] = Counter()
     for driver in PANEL:
         results = read_results(results_path(work, suite, driver))
-        found = find_failures(results, scenarios, counted=Counted.ANY)
+        found = find_failures(results, scenarios, gate=FailureDefinition(counts=Counted.ANY))
         judged.update(name for name, runs in found.judged.items() if runs)
         violations = {run.scenario: run.violations for run in results.runs}
         for key in found.failures:

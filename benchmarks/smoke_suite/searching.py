@@ -129,6 +129,7 @@ def _study(work: Path, one: Search) -> dict[str, Any]:
         "agents": [driver.as_agent() for driver in PANEL if driver.label in one.against],
         "methods": [{"name": name} for name in one.methods],
         "space": dict(one.space),
+        "counts": "possibly_at_fault",
         "oracles": list(one.oracles),
         "budget": {"simulations": one.simulations},
     }

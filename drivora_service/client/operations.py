@@ -193,6 +193,7 @@ class Operations:
     compare_campaigns = Answered(campaign_calls.compare_campaigns)
 
     found_failures = Listed(failure_calls.found_failures)
+    found_counts = Answered(failure_calls.found_counts)
     found_failure = Answered(failure_calls.found_failure)
     failure_groups = Listed(failure_calls.failure_groups)
     failure_group = Answered(failure_calls.failure_group)

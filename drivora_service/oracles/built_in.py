@@ -25,6 +25,7 @@ from drivora_service.oracles.speeding import Speeding
 from drivora_service.oracles.stop_sign import StopSign
 from drivora_service.oracles.tailgating import Tailgating
 from drivora_service.oracles.verdict import ConditionalOracle, Oracle, Verdict
+from drivora_service.oracles.verdicts.consequences import fold_consequences
 from drivora_service.oracles.wrong_way import WrongWay
 
 
@@ -61,6 +62,8 @@ def judge_all(
 ) -> tuple[Verdict, ...]:
     """Judges a run by several oracles, without those that do not apply to it.
 
+    Violations that only follow from another one name it (``follows``).
+
     Args:
         trace: The run.
         network: The road network it took place on.
@@ -68,9 +71,11 @@ def judge_all(
         view: An existing view of that run, whose computed values are reused.
     """
     view = view or RunView(trace, network)
-    return tuple(
+    verdicts = [
         verdict
         for oracle in oracles
         if not isinstance(oracle, ConditionalOracle) or oracle.applies(view)
         for verdict in oracle.judge(view)
-    )
+    ]
+    ends = {ego.id: float(ego.times[-1]) for ego in view.egos if ego.count}
+    return fold_consequences(verdicts, ends)

@@ -65,6 +65,7 @@ class Verdict(Shape):
         location: (x, y) in metres at that time.
         counterpart: Id of the other actor involved, or "".
         evidence: Measured values by name, SI units.
+        follows: Oracle of the ego's violation that this one only follows from; empty: of none.
     """
 
     oracle: str
@@ -81,6 +82,7 @@ class Verdict(Shape):
     location: tuple[float, float] | None = None
     counterpart: str = ""
     evidence: Mapping[str, Any] = field(default_factory=dict)
+    follows: str = ""
 
 
 class Oracle(Protocol):

@@ -16,6 +16,7 @@ COLUMNS = (
     "unavoidable",
     "undetermined",
     "fault not judged",
+    "preventable",
     "others' fault",
 )
 
@@ -23,8 +24,9 @@ WORDS = (
     "Simulations of all campaigns by the strongest of their failures. What counts is the first "
     "column after their number: the fault of an ego, and avoided by a careful and competent "
     "driver. Then follow those at fault of which the run does not tell whether that driver avoids "
-    "it, and those that it does not avoid; failures of undetermined fault, and of oracles that "
-    "attribute none; and simulations without a failure in which another actor was at fault."
+    "it, and those that it does not avoid; violations of undetermined fault, and of oracles that "
+    "attribute none; and violations at the fault of others, those that a careful driver of the ego "
+    "avoids and the others."
 )
 
 F = TypeVar("F", bound=CampaignFigures)
@@ -54,7 +56,8 @@ def _sums(found: Sequence[CampaignFigures]) -> list[int]:
             one.unavoidable,
             one.undetermined,
             one.not_judged,
-            one.not_at_fault,
+            one.preventable,
+            one.not_at_fault - one.preventable,
         )
         for one in found
     ]

@@ -4,20 +4,30 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from pydantic import computed_field
 
 from drivora_service.geometry.array_shapes import FloatArray
-from drivora_service.oracles.verdicts.accountability import Accountability, accountability
+from drivora_service.oracles.verdicts.accountability import (
+    Accountability,
+    accountability,
+    strongest,
+)
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.shapes import Shape
 from drivora_service.store.campaigns.campaign_records import EvaluationRecord
 from drivora_service.studies.coverage.law_coverage import law_coverage
-from drivora_service.studies.found_counts import Finds, others_fault, redrawn_share, unchanged_share
+from drivora_service.studies.found_counts import (
+    Finds,
+    redrawn_share,
+    unchanged_share,
+    uncounted_violations,
+)
 
 _LEVELS = 4
 """Number of levels of a gene's range for counting tried combinations."""
@@ -38,12 +48,15 @@ class CampaignFigures(Shape):
         failing: Simulations with at least one failure.
         at_fault: Simulations in which an ego is known to be responsible for one.
         avoidable: Those of them with one that a careful and competent driver avoids: the target.
-        not_measurable: Those of them without such a one, but with one of which the run does not
-            tell whether that driver avoids it.
-        unavoidable: Those of them in which that driver avoids none.
-        undetermined: Simulations in which the fault of no failure can be determined.
-        not_judged: Simulations that failed by oracles alone that do not attribute fault.
-        not_at_fault: Simulations without a failure, but with a violation at another actor's fault.
+        not_measurable: Simulations without such a one, but with a violation at fault of which the
+            run does not tell whether that driver avoids it. This and the next five count violations
+            of the campaign's oracles, whether they are failures or not, by their strongest.
+        unavoidable: Simulations with violations at fault in which that driver avoids none.
+        undetermined: Simulations in which the fault of no violation can be determined.
+        not_judged: Simulations with violations of oracles alone that do not attribute fault.
+        preventable: Simulations with violations at the fault of others alone, one that a careful
+            and competent driver of the ego avoids.
+        not_at_fault: Simulations with violations at the fault of others alone, avoided or not.
         kinds: Kinds of failures: oracle, place, relation of the other actor to the ego.
         avoidable_kinds: Kinds of those failures that are the fault of an ego and avoidable.
         oracles: Different oracles violated; collisions count by the other actor: an ego, an NPC
@@ -89,6 +102,7 @@ class CampaignFigures(Shape):
     unavoidable: int
     undetermined: int
     not_judged: int
+    preventable: int
     not_at_fault: int
     kinds: int
     avoidable_kinds: int
@@ -134,7 +148,7 @@ def figures_of(
     records: Sequence[EvaluationRecord],
     spaces: Sequence[GeneSpace],
     *,
-    oracles: Collection[str],
+    definition: FailureDefinition,
     groups: int | None = None,
     network_coverage: float | None = None,
     time_limit_s: float | None = None,
@@ -146,7 +160,7 @@ def figures_of(
         subject: The campaign.
         records: Its evaluations in order.
         spaces: Its genes, by seed scenario.
-        oracles: Oracles that the campaign counts.
+        definition: What the campaign counts as a failure.
         groups: Groups of similar failures, if known.
         network_coverage: See :class:`CampaignFigures`.
         time_limit_s: Seconds of wall time of one worker after which evaluations do not count;
@@ -158,18 +172,18 @@ def figures_of(
     simulated = [r for r in records if r.status is not EvaluationStatus.INVALID]
     finds, targets = Finds(), Finds()
     violated: set[tuple[str, str]] = set()
-    failing = at_fault = not_at_fault = 0
+    failing = at_fault = 0
     accountable = Counter[Accountability | None]()
     count, elapsed_s = 0, 0.0
     for record in records:
         elapsed_s += cost_s(record)
         count += record.status is not EvaluationStatus.INVALID
+        uncounted = uncounted_violations(record.report.verdicts, definition)
+        accountable[strongest((*record.violations, *uncounted))] += 1
         if not record.violations:
-            not_at_fault += bool(others_fault(record.report.verdicts, oracles))
             continue
         failing += 1
         at_fault += record.at_fault
-        accountable[record.accountability] += 1
         for kind, verdict in zip(record.failure_kinds, record.violations, strict=True):
             finds.add(kind, verdict, count, elapsed_s)
             if accountability(verdict) is Accountability.AVOIDABLE:
@@ -192,7 +206,10 @@ def figures_of(
         unavoidable=accountable[Accountability.UNAVOIDABLE],
         undetermined=accountable[Accountability.UNDETERMINED],
         not_judged=accountable[Accountability.NOT_JUDGED],
-        not_at_fault=not_at_fault,
+        preventable=accountable[Accountability.PREVENTABLE],
+        not_at_fault=(
+            accountable[Accountability.PREVENTABLE] + accountable[Accountability.NOT_AT_FAULT]
+        ),
         kinds=len(finds.kinds),
         avoidable_kinds=len(targets.kinds),
         oracles=len(violated),

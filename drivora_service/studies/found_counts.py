@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from drivora_service.oracles.verdict import Outcome, Verdict
-from drivora_service.oracles.verdicts.accountability import Accountability, accountability
+from drivora_service.oracles.verdict import Verdict
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.store.campaigns.campaign_records import EvaluationRecord
 from drivora_service.studies.situations import Situation, situation_of
 
@@ -42,14 +42,14 @@ class Finds:
         return min(self.kinds.values(), default=None)
 
 
-def others_fault(verdicts: Iterable[Verdict], oracles: Collection[str]) -> tuple[Verdict, ...]:
-    """Returns the violations of some oracles that are known to be another actor's fault."""
+def uncounted_violations(
+    verdicts: Iterable[Verdict], definition: FailureDefinition
+) -> tuple[Verdict, ...]:
+    """Returns the violations that a definition looks at and does not count."""
     return tuple(
         verdict
         for verdict in verdicts
-        if verdict.oracle in oracles
-        and verdict.outcome is Outcome.VIOLATED
-        and accountability(verdict) is Accountability.NOT_AT_FAULT
+        if definition.looks_at(verdict) and not definition.is_failure(verdict)
     )
 
 

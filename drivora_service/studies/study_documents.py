@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from drivora_service.campaigns.document.campaign import DEFAULT_LOOKAHEAD, DEFAULT_ORACLES
+from drivora_service.campaigns.document.campaign import DEFAULT_LOOKAHEAD
 from drivora_service.campaigns.document.campaign_documents import (
     BudgetDocument,
     Lookahead,
@@ -15,6 +15,7 @@ from drivora_service.campaigns.document.campaign_documents import (
     TesterDocument,
     Workers,
 )
+from drivora_service.oracles.verdicts.failure_definition import Counted
 from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import AgentDocument, EntityDocument
@@ -92,8 +93,15 @@ class StudyDocument(EntityDocument):
         default_factory=SpaceDocument, description="The variable parts and their ranges."
     )
     budget: BudgetDocument = Field(description="The budget of each campaign.")
-    oracles: OracleNames = Field(
-        DEFAULT_ORACLES, description="Oracles whose violations are failures."
+    counts: Counted = Field(
+        Counted.ACCOUNTABLE,
+        description="Violations that are failures: those that an ego is accountable for; also "
+        "those at the fault of others that a careful driver avoids (preventable); also unavoidable "
+        "ones (at_fault), and those of undetermined fault (possibly_at_fault); or those of others, "
+        "too (any).",
+    )
+    oracles: OracleNames | None = Field(
+        None, description="The only oracles that count; without it, all but observations."
     )
     workers: Workers | None = Field(
         None,

@@ -166,6 +166,7 @@ def _read(document: StudyDocument, one: _Combination, catalogues: Catalogues) ->
         "scenario": scenario.document.model_dump(mode="json", exclude_none=True),
         "space": space.model_dump(mode="json"),
         "budget": document.budget.model_dump(),
+        "counts": document.counts,
         "oracles": document.oracles,
         "seed": document.seed,
         "lookahead": document.lookahead,

@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from drivora_service.oracles.verdicts.failure_definition import (
+    DEFAULT_DEFINITION,
+    Counted,
+    FailureDefinition,
+    KnownFailure,
+)
 from drivora_service.scenario.documents import ScenarioDocument
-from drivora_service.suites.gate.counted_failures import Counted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,33 +34,6 @@ class MetricBounds:
             f"at most {self.at_most:g}" if self.at_most is not None else "",
         )
         return " and ".join(filter(None, parts))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class KnownFailure:
-    """A failure that is known and does not count; "" stands for any.
-
-    Attributes:
-        agents: ADSs of which it is known; empty: every one.
-    """
-
-    oracle: str = ""
-    ego: str = ""
-    counterpart: str = ""
-    agents: frozenset[str] = frozenset()
-    reason: str = ""
-
-    def is_of(self, agents: frozenset[str]) -> bool:
-        """Returns whether it is known of a run that these ADSs drive."""
-        return not self.agents or bool(self.agents & agents)
-
-    def covers(self, oracle: str, ego: str, counterpart: str) -> bool:
-        """Returns whether a failure is this one."""
-        return (
-            self.oracle in ("", oracle)
-            and self.ego in ("", ego)
-            and self.counterpart in ("", counterpart)
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,6 +65,18 @@ class SuiteScenario:
     metrics: Mapping[str, MetricBounds] = field(default_factory=dict)
     known_failures: tuple[KnownFailure, ...] = ()
     difficulty: Difficulty | None = None
+
+    def definition(self, gate: FailureDefinition = DEFAULT_DEFINITION) -> FailureDefinition:
+        """Returns what counts as a failure in its runs.
+
+        Args:
+            gate: What the gate says, where neither the suite nor the scenario says anything.
+        """
+        return FailureDefinition(
+            counts=self.counts or gate.counts,
+            oracles=gate.oracles if self.oracles is None else tuple(sorted(self.oracles)),
+            known=self.known_failures,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

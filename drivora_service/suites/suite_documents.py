@@ -8,11 +8,11 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from drivora_service.campaigns.document.campaign_documents import OracleNames, PluginName
+from drivora_service.oracles.verdicts.failure_definition import Counted, KnownFailure
 from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import EntityDocument
 from drivora_service.studies.study_documents import Label
-from drivora_service.suites.gate.counted_failures import Counted
 
 MAX_SCENARIOS = 10_000
 """Greatest number of scenarios of a suite: that of a batch."""
@@ -74,6 +74,17 @@ class KnownFailureDocument(EntityDocument):
     )
     reason: Label = Field(description="Why it does not count, for reports.")
 
+    @property
+    def known_failure(self) -> KnownFailure:
+        """It as a value."""
+        return KnownFailure(
+            oracle=self.oracle or "",
+            ego=self.ego or "",
+            counterpart=self.counterpart or "",
+            agents=tuple(sorted(self.agents)),
+            reason=self.reason,
+        )
+
 
 class DifficultyDocument(EntityDocument):
     """Which ADSs fail in a scenario; for people, and for choosing scenarios."""
@@ -99,8 +110,7 @@ class ExpectationsDocument(EntityDocument):
     )
     counts: Counted | None = Field(
         None,
-        description="Violations that are failures, in place of what the suite says: those that an "
-        "ego is accountable for, also unavoidable ones (at_fault), or also those of others (any).",
+        description="Violations that are failures, in place of what the suite says; see the gate.",
     )
     metrics: MetricBounds = Field(default_factory=dict)
     known_failures: Annotated[tuple[KnownFailureDocument, ...], Field(max_length=100)] = Field(

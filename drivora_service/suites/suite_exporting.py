@@ -12,6 +12,7 @@ from typing import Any
 import yaml
 
 from drivora_service.errors import ConfigurationError, InvalidDocument
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.scenario.documents import ScenarioDocument, document_text, parse_document
 from drivora_service.suites.suite_documents import EXTENSION
 from drivora_service.suites.suite_results import scenario_hash
@@ -28,14 +29,14 @@ class FoundScenario:
     Attributes:
         stem: Beginning of its name; a number makes it unique.
         tags: Words by which it can be chosen.
-        oracles: Oracles that count in it; empty: as the suite says.
+        definition: What counts as a failure in it: what its campaign counted.
         comment: Where it comes from, and what happened.
     """
 
     stem: str
     document: ScenarioDocument
     tags: tuple[str, ...]
-    oracles: tuple[str, ...]
+    definition: FailureDefinition
     comment: str
 
 
@@ -103,9 +104,9 @@ def tag(text: str) -> str:
 
 
 def _with_expectations(one: FoundScenario) -> ScenarioDocument:
-    expected: dict[str, Any] = {"tags": list(one.tags)}
-    if one.oracles:
-        expected["oracles"] = list(one.oracles)
+    expected: dict[str, Any] = {"tags": list(one.tags), "counts": str(one.definition.counts)}
+    if one.definition.oracles is not None:
+        expected["oracles"] = list(one.definition.oracles)
     expected["comment"] = one.comment
     extensions = {**one.document.extensions, EXTENSION: expected}
     return one.document.model_copy(update={"extensions": extensions})

@@ -6,16 +6,21 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from drivora_service.oracles.verdict import Severity, Verdict
+from drivora_service.oracles.verdict import Severity
 from drivora_service.oracles.verdicts.accountability import (
     Accountability,
     accountability,
     strongest_of,
 )
-from drivora_service.oracles.verdicts.failure_facts import failure_sentence, is_consequence
+from drivora_service.oracles.verdicts.failure_definition import (
+    DEFAULT_DEFINITION,
+    FailureDefinition,
+    KnownFailure,
+    agents_of,
+)
+from drivora_service.oracles.verdicts.failure_facts import failure_sentence
 from drivora_service.runs.run_report import RunStatus
-from drivora_service.suites.gate.counted_failures import COUNTED, Counted
-from drivora_service.suites.suite import KnownFailure, SuiteScenario
+from drivora_service.suites.suite import SuiteScenario
 from drivora_service.suites.suite_results import SuiteResults, SuiteRun
 
 AGENT_FAILED = "agent_failed"
@@ -119,16 +124,14 @@ def find_failures(
     results: SuiteResults,
     scenarios: Mapping[str, SuiteScenario],
     *,
-    counted: Counted = Counted.ACCOUNTABLE,
-    oracles: frozenset[str] | None = None,
+    gate: FailureDefinition = DEFAULT_DEFINITION,
 ) -> Found:
     """Finds the failures in the runs of a suite.
 
     Args:
         results: The runs.
         scenarios: Expectations by the name of the scenario.
-        counted: Violations that are failures in scenarios without `counts`.
-        oracles: Oracles that count in scenarios that name none; ``None``: all but observations.
+        gate: What counts as a failure in scenarios that do not say it themselves.
     """
     failures: dict[FailureKey, Failure] = {}
     known: list[KnownOccurrence] = []
@@ -139,33 +142,16 @@ def find_failures(
         judgeable = [run for run in runs if is_judged(run)]
         unfinished += [run for run in runs if not is_judged(run)]
         judged[name] = len(judgeable)
-        events = [
-            (run, _first_of_each(_events(run, scenario, counted, oracles))) for run in judgeable
-        ]
+        definition = scenario.definition(gate)
+        events = [(run, _first_of_each(_events(run, scenario, definition))) for run in judgeable]
         known += _find_known_occurrences(scenario, events)
         for run, found in events:
             for event in found:
-                if not is_known(scenario, run, event.key):
-                    before = failures.get(event.key)
-                    failures[event.key] = _add_event(before, event, run, of=len(judgeable))
+                key = event.key
+                if not definition.knows(key.oracle, key.ego, key.counterpart, run.agents):
+                    before = failures.get(key)
+                    failures[key] = _add_event(before, event, run, of=len(judgeable))
     return Found(failures=failures, known=tuple(known), judged=judged, unfinished=tuple(unfinished))
-
-
-def is_known(scenario: SuiteScenario, run: SuiteRun, failure: FailureKey | Verdict) -> bool:
-    """Returns whether a failure, or a violation, of a run is known and does not count."""
-    agents = _agents_of(run, failure.ego)
-    return any(
-        known.is_of(agents) and known.covers(failure.oracle, failure.ego, failure.counterpart)
-        for known in scenario.known_failures
-    )
-
-
-def _agents_of(run: SuiteRun, ego: str) -> frozenset[str]:
-    """Returns the ADS of an ego; those of all egos if a failure is of none."""
-    if ego in run.agents and ego:
-        return frozenset({run.agents[ego]})
-    # A run that ended before its egos were known has the names of all ADSs in one text.
-    return frozenset(name for names in run.agents.values() for name in names.split(","))
 
 
 def is_judged(run: SuiteRun) -> bool:
@@ -190,8 +176,7 @@ def is_seedless(runs: Iterable[SuiteRun]) -> bool:
 def _events(
     run: SuiteRun,
     scenario: SuiteScenario,
-    counted: Counted,
-    oracles: frozenset[str] | None,
+    definition: FailureDefinition,
 ) -> Iterable[_Event]:
     if run.status is RunStatus.AGENT_FAILED:
         yield _Event(
@@ -202,11 +187,10 @@ def _events(
             time=None,
         )
         return
-    named = oracles if scenario.oracles is None else scenario.oracles
-    counting = COUNTED[scenario.counts or counted]
+    # Known failures are events, too: it is counted how often they occur.
     for verdict in run.violations:
         degree = accountability(verdict)
-        if _counts(verdict, named) and degree in counting:
+        if definition.looks_at(verdict) and definition.counts_degree(degree):
             yield _Event(
                 key=FailureKey(
                     scenario=run.scenario,
@@ -229,12 +213,6 @@ def _events(
                 sentence=f"{name} is {value:g}, and {bounds} is expected.",
                 time=None,
             )
-
-
-def _counts(verdict: Verdict, named: frozenset[str] | None) -> bool:
-    if named is not None:
-        return verdict.oracle in named
-    return verdict.severity is not Severity.OBSERVATION and not is_consequence(verdict)
 
 
 def _first_of_each(events: Iterable[_Event]) -> list[_Event]:
@@ -278,11 +256,11 @@ def _find_known_occurrences(
     scenario: SuiteScenario, events: Sequence[tuple[SuiteRun, Sequence[_Event]]]
 ) -> Iterable[KnownOccurrence]:
     for known in scenario.known_failures:
-        concerned = [one for one in events if known.is_of(_agents_of(one[0], ""))]
+        concerned = [one for one in events if known.is_of(agents_of("", one[0].agents))]
         if concerned:
             runs = sum(
                 any(
-                    known.is_of(_agents_of(run, e.key.ego))
+                    known.is_of(agents_of(e.key.ego, run.agents))
                     and known.covers(e.key.oracle, e.key.ego, e.key.counterpart)
                     for e in found
                 )

@@ -14,7 +14,6 @@ from drivora_service.scenario.document_problems import in_document_order, struct
 from drivora_service.scenario.structure import read_structure
 from drivora_service.suites.suite import (
     Difficulty,
-    KnownFailure,
     MetricBounds,
     Suite,
     SuiteScenario,
@@ -118,14 +117,7 @@ def _scenario(
             for name, bounds in {**suite.metrics, **carried.metrics, **one.metrics}.items()
         },
         known_failures=tuple(
-            KnownFailure(
-                oracle=known.oracle or "",
-                ego=known.ego or "",
-                counterpart=known.counterpart or "",
-                agents=frozenset(known.agents),
-                reason=known.reason,
-            )
-            for known in (*carried.known_failures, *one.known_failures)
+            known.known_failure for known in (*carried.known_failures, *one.known_failures)
         ),
         difficulty=None
         if difficulty is None

@@ -281,6 +281,7 @@ class _Recording:
         wanted = "oracle=collision&accountability=avoidable"
         found = self._get(f"/failures?{wanted}&limit=1")
         self._keep(recorded_examples.FOUND_FAILURES, found)
+        self._keep(recorded_examples.FOUND_COUNTS, self._get("/failures:counts"))
         self._keep(
             recorded_examples.FOUND_FAILURE, self._get(f"/failures/{found['items'][0]['id']}")
         )

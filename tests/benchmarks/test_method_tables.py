@@ -42,6 +42,7 @@ def figures(method: str, avoidable: int, *, seed: int, laws: float | None = None
         unavoidable=0,
         undetermined=1,
         not_judged=0,
+        preventable=0,
         not_at_fault=0,
         kinds=1,
         avoidable_kinds=min(avoidable, 1),

@@ -9,11 +9,12 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivora_service.campaigns.document.campaign import DEFAULT_ORACLES, FeedbackMode
+from drivora_service.campaigns.document.campaign import FeedbackMode
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_documents import campaign_text
 from drivora_service.campaigns.document.campaign_reading import ValidCampaign, read_campaign
 from drivora_service.errors import InvalidDocument
+from drivora_service.oracles.verdicts.failure_definition import Counted
 from tests.fuzzing.harness import check_refusal
 from tests.scenario.conftest import GOOD
 from tests.scenario.strategies import garbled, json_values, optional, texts
@@ -51,7 +52,12 @@ campaigns = st.fixed_dictionaries(
             ),
         ),
         space=numbers,
-        oracles=st.lists(st.sampled_from(sorted(DEFAULT_ORACLES)), min_size=1, unique=True),
+        oracles=st.lists(
+            st.sampled_from(["blocked", "collision", "red_light", "speeding"]),
+            min_size=1,
+            unique=True,
+        ),
+        counts=st.sampled_from(list(Counted)),
         seed=st.integers(0, 2**31 - 1),
         workers=st.integers(1, 8),
         lookahead=st.integers(1, 64),

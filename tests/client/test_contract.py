@@ -30,6 +30,7 @@ from drivora_service.errors import (
 )
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.networks.importing.source_formats import SourceFormat
+from drivora_service.oracles.verdicts.failure_definition import Counted
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaigns.campaign_records import (
@@ -40,7 +41,6 @@ from drivora_service.store.campaigns.campaign_records import (
 from drivora_service.store.failures.failure_records import FoundFilter
 from drivora_service.store.runs.run_records import BatchState, JobFilter, Priority
 from drivora_service.studies.table_names import CampaignTableName, ResultTableName, TableForm
-from drivora_service.suites.gate.counted_failures import Counted
 
 
 def broken(scenario: dict[str, Any]) -> dict[str, Any]:
@@ -368,11 +368,11 @@ def test_a_comparison_of_batches(client: Client, runs: tuple[Run, ...]) -> None:
         runs[0].batch_id, other, counts=Counted.ANY, metrics=["success", "comfort"]
     )
     assert (found.scenarios, len(found.pairs), len(found.left_out)) == (1, 2, 1)
-    assert found.counts is Counted.ANY
+    assert found.definition.counts is Counted.ANY
     assert [row.metric for row in found.metrics] == ["success", "comfort"]
     assert (found.a.title, found.b.title) == ("idm", "sumo-krauss")
     named = client.compare_batches("three", other, oracles=["speeding"])
-    assert named.oracles == ("speeding",)
+    assert named.definition.oracles == ("speeding",)
     with pytest.raises(NotFound, match="unknown batch"):
         client.compare_batches(other, "nobody")
 

@@ -17,6 +17,7 @@ from sqlalchemy import select, text, update
 from drivora_service.errors import InvalidDocument, UnknownName
 from drivora_service.oracles.verdict import Answer, Severity
 from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.failure_definition import COUNTED, Counted
 from drivora_service.store.campaigns.campaign_records import Confirmation, NewCampaign
 from drivora_service.store.campaigns.campaign_tables import CampaignRow
 from drivora_service.store.database import Database
@@ -24,7 +25,7 @@ from drivora_service.store.failures.failure_records import FoundFailure, FoundFi
 from drivora_service.store.failures.failure_tables import FoundRow
 from drivora_service.store.failures.group_records import GroupFilter, group_id
 from drivora_service.store.queue.endings import reset_run
-from drivora_service.store.runs.run_records import Priority
+from drivora_service.store.runs.run_records import JobFilter, Priority
 from drivora_service.store.runs.run_tables import RunRow
 from drivora_service.store.traces.trace_folders import TraceFolder
 from drivora_service.store.upkeep.pruning import prune
@@ -46,7 +47,7 @@ BEGIN = datetime(2026, 3, 1, tzinfo=UTC)
 
 def everything(database: Database, wanted: FoundFilter | None = None) -> tuple[FoundFailure, ...]:
     with database.read() as transaction:
-        page = transaction.found.page(wanted or FoundFilter(), limit=500)
+        page = transaction.found.page(wanted or FoundFilter(counts=Counted.ANY), limit=500)
     assert page.next_page_token == ""
     return page.items
 
@@ -128,6 +129,7 @@ def filters(database: Database, campaign_id: str, most: int = 3) -> list[FoundFi
         "campaign_id": campaign_id,
         "batch_id": batch_id,
         "confirmation": Confirmation.OPEN,
+        "counts": Counted.AT_FAULT,
         "since": BEGIN + timedelta(minutes=2),
         "until": BEGIN + timedelta(minutes=8),
     }
@@ -141,11 +143,21 @@ def filters(database: Database, campaign_id: str, most: int = 3) -> list[FoundFi
 def passes(failure: FoundFailure, wanted: FoundFilter) -> bool:
     facts = {name: getattr(failure, name) for name in FoundFailure.__slots__}
     facts |= {"group": failure.group_id, "study_id": ""}
-    return all(
-        getattr(wanted, name) in ("", None) or getattr(wanted, name) == facts[name]
-        for name in FoundFilter.__slots__
-        if name not in ("since", "until")
-    ) and (wanted.since or BEGIN) <= failure.found_at < (wanted.until or datetime.now(UTC))
+    # The campaigns say nothing of what they count, and keep only that; the runs count by default.
+    counted = (
+        failure.campaign_id != ""
+        if wanted.counts is None
+        else failure.accountability in COUNTED[wanted.counts]
+    ) or (wanted.counts is None and failure.accountability in COUNTED[Counted.ACCOUNTABLE])
+    return (
+        counted
+        and all(
+            getattr(wanted, name) in ("", None) or getattr(wanted, name) == facts[name]
+            for name in FoundFilter.__slots__
+            if name not in ("since", "until", "counts")
+        )
+        and (wanted.since or BEGIN) <= failure.found_at < (wanted.until or datetime.now(UTC))
+    )
 
 
 @slow_on_postgresql
@@ -218,7 +230,8 @@ def test_the_example_of_a_group_has_a_recording_if_one_of_its_failures_has(
 
 
 def test_pages_follow_one_another(database: Database, campaign_id: str) -> None:
-    found = everything(database)
+    found = everything(database, FoundFilter())
+    assert len(found) < len(everything(database)), "what does not count is left out"
     with database.read() as transaction:
         pages: list[FoundFailure] = []
         token = ""
@@ -305,6 +318,24 @@ def test_failures_go_with_their_runs_and_campaigns(
     soon = datetime.now(UTC) + timedelta(days=1)
     prune(database, TraceFolder(tmp_path / "traces"), ended_before=soon)
     assert [failure.oracle for failure in everything(database)] == ["collision"]
+
+
+def test_what_does_not_count_is_shown_on_demand(database: Database, campaign_id: str) -> None:
+    counted = everything(database, FoundFilter())
+    rest = [one for one in everything(database) if one not in counted]
+    # Campaigns keep what they count, whatever that is; runs count by the default here.
+    assert {one.campaign_id for one in rest} == {""}
+    assert {one.accountability for one in rest} == {Accountability.NOT_AT_FAULT}
+    with database.read() as transaction:
+        jobs = transaction.jobs.page(JobFilter(), limit=100).items
+        failing = transaction.jobs.page(JobFilter(failing=True), limit=100).items
+        numbers = transaction.jobs.counts_by_filter(JobFilter())
+        (batch,) = (one for one in transaction.batches.page().items if one.name == "b")
+    ended = [job for job in jobs if job.failures is not None]
+    assert {job.id for job in failing} == {job.id for job in ended if job.failures}
+    assert {job.id for job in failing} == {one.run_id for one in counted if not one.campaign_id}
+    assert (numbers.failing, numbers.not_failing) == (len(failing), len(ended) - len(failing))
+    assert batch.failing_runs == sum(job.batch_id == batch.id for job in failing)
 
 
 def test_a_migrated_database_has_the_failures_that_it_would_have_written(

@@ -166,7 +166,9 @@ def test_a_database_of_the_version_before_accountability_is_read(tmp_path: Path)
     assert len(records) == 12
     assert len(failures) == 10
     assert all(summary.accountability is None for summary in summaries)
-    assert (job.violations, job.observations, job.accountability) == (3, None, None)
+    # Of three violations one is a destination that was missed because of another one.
+    assert (job.violations, job.observations, job.accountability) == (2, None, None)
+    assert job.failures == 2
     assert report is not None
     assert all(verdict.avoidable is None for verdict in report.verdicts)
 

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivora_service.oracles.verdict import Answer, Outcome, Verdict
+from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.runs.run_report import RunReport, RunStatus
 from drivora_service.search.genes import Block, Gene, GeneKind, GeneSpace, Part
 from drivora_service.search.tester import EvaluationStatus, Proposal
@@ -80,11 +81,13 @@ def record(
     )
 
 
-ORACLES = ("collision", "red_light", "blocked")
+DEFINITION = FailureDefinition(
+    counts=Counted.POSSIBLY_AT_FAULT, oracles=("blocked", "collision", "red_light")
+)
 
 
 def counted(records: Sequence[EvaluationRecord], **options: Any) -> CampaignFigures:
-    return figures_of(SUBJECT, records, [SPACE], oracles=ORACLES, **options)
+    return figures_of(SUBJECT, records, [SPACE], definition=DEFINITION, **options)
 
 
 def hit(oracle: str = "collision", *, at_fault: bool | None = False) -> Verdict:

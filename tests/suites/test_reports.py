@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 import pytest
 from junitparser import JUnitXml, TestCase
 
+from drivora_service.oracles.verdicts.failure_definition import KnownFailure
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.suites.suite_records import ScenarioState
 from drivora_service.suites.gate.baseline import make_baseline
@@ -23,7 +24,7 @@ from drivora_service.suites.reports.markdown_summary import summary_markdown
 from drivora_service.suites.reports.report_html import report_html
 from drivora_service.suites.reports.runs_csv import runs_csv
 from drivora_service.suites.reports.suite_report import SuiteReport, make_report
-from drivora_service.suites.suite import KnownFailure, SuiteScenario
+from drivora_service.suites.suite import SuiteScenario
 from drivora_service.suites.suite_failures import find_failures
 from drivora_service.suites.suite_results import SuiteRun
 from tests.suites.made_results import DOCUMENT, counted, results_of, scenarios_of, suite_run

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivora_service.errors import ConfigurationError
+from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.scenario.documents import ScenarioDocument, parse_document
 from drivora_service.suites.suite_documents import ExpectationsDocument
 from drivora_service.suites.suite_exporting import FoundScenario, export_scenarios, slug, tag
@@ -24,7 +25,7 @@ def found(seed: int, **changes: object) -> FoundScenario:
         "stem": "town-collision",
         "document": DOCUMENT.model_copy(update={"seed": seed}),
         "tags": ("collision", "found-by-random"),
-        "oracles": ("collision",),
+        "definition": FailureDefinition(counts=Counted.AT_FAULT, oracles=("collision",)),
         "comment": "Collided. Found by random.",
     }
     return FoundScenario(**(values | changes))  # type: ignore[arg-type]
@@ -55,6 +56,7 @@ def test_a_new_suite_lists_its_scenarios_by_a_pattern(tmp_path: Path) -> None:
         metrics=[],
     )
     assert {one.oracles for one in read.scenarios} == {frozenset({"collision"})}
+    assert {one.counts for one in read.scenarios} == {Counted.AT_FAULT}
     assert {one.tags for one in read.scenarios} == {("collision", "found-by-random")}
     # What is expected of an ADS is no part of what is driven.
     assert scenario_hash(read.scenarios[0].document) == scenario_hash(found(1).document)

@@ -9,9 +9,13 @@ import pytest
 
 from drivora_service.oracles.verdict import Answer, Severity
 from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.failure_definition import (
+    Counted,
+    FailureDefinition,
+    KnownFailure,
+)
 from drivora_service.runs.run_report import RunStatus
-from drivora_service.suites.gate.counted_failures import Counted
-from drivora_service.suites.suite import KnownFailure, MetricBounds
+from drivora_service.suites.suite import MetricBounds
 from drivora_service.suites.suite_failures import FailureKey, find_failures, is_seedless
 from tests.suites.made_results import results_of, scenarios_of, suite_run, verdict
 
@@ -38,28 +42,31 @@ def test_a_failure_is_found_in_some_runs_of_its_scenario() -> None:
 @pytest.mark.parametrize(
     ("changes", "counted"),
     [
-        ({}, {"accountable", "at_fault", "any"}),
-        ({"at_fault": None, "avoidable": None}, {"accountable", "at_fault", "any"}),
-        ({"avoidable": Answer.NO}, {"at_fault", "any"}),
-        ({"at_fault": False}, {"any"}),
-        ({"at_fault": None, "undetermined": True}, {"any"}),
+        ({}, set(Counted)),
+        ({"at_fault": None, "avoidable": None}, set(Counted)),
+        ({"avoidable": Answer.NO}, {"at_fault", "possibly_at_fault", "any"}),
+        ({"at_fault": False}, {"preventable", "any"}),
+        ({"at_fault": False, "avoidable": Answer.NO}, {"any"}),
+        ({"at_fault": None, "undetermined": True}, {"possibly_at_fault", "any"}),
         ({"severity": Severity.OBSERVATION}, set()),
         ({"oracle": "destination", "evidence": {"reason": "collision"}, "at_fault": None}, set()),
         (
             {"oracle": "destination", "evidence": {"reason": "timeout"}, "at_fault": None},
-            {"accountable", "at_fault", "any"},
+            set(Counted),
         ),
     ],
 )
 def test_what_counts(changes: dict[str, Any], counted: set[str]) -> None:
     results = results_of([suite_run("a", 0, verdict(**changes))])
     for which in Counted:
-        found = find_failures(results, scenarios_of(results), counted=which)
+        found = find_failures(results, scenarios_of(results), gate=FailureDefinition(counts=which))
         assert bool(found.failures) == (which in counted)
         # What a scenario says comes first.
         for other in Counted:
             own = scenarios_of(results, counts=which)
-            assert bool(find_failures(results, own, counted=other).failures) == (which in counted)
+            assert bool(
+                find_failures(results, own, gate=FailureDefinition(counts=other)).failures
+            ) == (which in counted)
 
 
 def test_named_oracles_count_also_if_they_are_observations() -> None:
@@ -67,12 +74,12 @@ def test_named_oracles_count_also_if_they_are_observations() -> None:
         [suite_run("a", 0, verdict("discomfort", severity=Severity.OBSERVATION), verdict())]
     )
     scenarios = scenarios_of(results)
-    named = frozenset({"discomfort"})
-    assert [k.oracle for k in find_failures(results, scenarios, oracles=named).failures] == [
+    named = FailureDefinition(oracles=("discomfort",))
+    assert [k.oracle for k in find_failures(results, scenarios, gate=named).failures] == [
         "discomfort"
     ]
     own = scenarios_of(results, oracles=frozenset({"collision"}))
-    assert [k.oracle for k in find_failures(results, own, oracles=named).failures] == ["collision"]
+    assert [k.oracle for k in find_failures(results, own, gate=named).failures] == ["collision"]
 
 
 def test_known_failures_do_not_count_and_are_told() -> None:
@@ -80,7 +87,7 @@ def test_known_failures_do_not_count_and_are_told() -> None:
     results = results_of(runs)
     known = KnownFailure(oracle="collision", counterpart="npc", reason="issue 17")
     gone = KnownFailure(oracle="red_light", reason="issue 18")
-    others = KnownFailure(agents=frozenset({"pdm-closed"}), reason="issue 19")
+    others = KnownFailure(agents=("pdm-closed",), reason="issue 19")
     found = find_failures(results, scenarios_of(results, known_failures=(known, gone, others)))
     assert [key.oracle for key in found.failures] == ["off_road"]
     assert [(one.known.reason, one.runs) for one in found.known] == [
@@ -94,7 +101,7 @@ def test_a_failure_known_of_one_ads_counts_for_an_ego_that_another_drives() -> N
     results = results_of([suite_run("a", 0, verdict(), agents=agents)])
 
     def oracles(agent: str) -> tuple[list[str], list[int]]:
-        known = KnownFailure(oracle="collision", agents=frozenset({agent}), reason="x")
+        known = KnownFailure(oracle="collision", agents=(agent,), reason="x")
         found = find_failures(results, scenarios_of(results, known_failures=(known,)))
         return [key.oracle for key in found.failures], [one.runs for one in found.known]
 
@@ -105,7 +112,7 @@ def test_a_failure_known_of_one_ads_counts_for_an_ego_that_another_drives() -> N
 def test_a_known_failure_is_of_any_ads_that_could_not_be_made_ready() -> None:
     failed = suite_run("a", 0, status=RunStatus.AGENT_FAILED, agents={"": "idm,pdm-closed"})
     results = results_of([failed])
-    known = KnownFailure(agents=frozenset({"pdm-closed"}), reason="x")
+    known = KnownFailure(agents=("pdm-closed",), reason="x")
     assert not find_failures(results, scenarios_of(results, known_failures=(known,))).failures
 
 

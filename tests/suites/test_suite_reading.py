@@ -8,9 +8,9 @@ import pytest
 
 from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.errors import InvalidDocument
-from drivora_service.suites.gate.counted_failures import Counted
+from drivora_service.oracles.verdicts.failure_definition import Counted, KnownFailure
 from drivora_service.suites.gate.gate_reading import read_gate_document
-from drivora_service.suites.suite import KnownFailure, MetricBounds, Suite
+from drivora_service.suites.suite import MetricBounds, Suite
 from drivora_service.suites.suite_documents import EXTENSION
 from drivora_service.suites.suite_reading import read_suite
 
@@ -56,7 +56,7 @@ def test_expectations_of_the_suite_hold_for_scenarios_without_their_own() -> Non
         "driving_score": MetricBounds(at_most=90.0),
     }
     assert one.known_failures == (
-        KnownFailure(oracle="collision", agents=frozenset({"idm"}), reason="x"),
+        KnownFailure(oracle="collision", agents=("idm",), reason="x"),
         KnownFailure(oracle="agent_failed", reason="y"),
     )
 

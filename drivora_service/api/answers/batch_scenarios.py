@@ -1,7 +1,7 @@
 """The scenarios of a batch: bare documents, or documents with labels.
 
-An item with a label is ``{"label": "crossing-17", "scenario": {…}}``, and may have a ``seed``. No
-scenario has one of the first two keys, so that one of them tells that it is such an item.
+An item with a label is ``{"label": "crossing-17", "scenario": {…}}``, and may have a ``seed`` and
+``failures``. No scenario has a ``label`` or ``scenario``: one of them shows that it is one.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pydantic import ValidationError
 
 from drivora_service.api.schemas.batches import LabelledScenario
 from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.scenario.document_problems import structural_problems
 from drivora_service.scenario.plain_data import plain_data, refusal
 
@@ -32,6 +33,7 @@ class BatchScenario:
         document: The scenario, parsed or not; ``None``: its item has none.
         label: Display name of its run.
         seed: Seed of its run; ``None``: that of the request, or as documented.
+        failures: What is a failure of its run; ``None``: what the request says.
         place: JSON pointer to the document in its item; "" if that is the document itself.
         problems: Problems of the item; the document may have others.
     """
@@ -39,6 +41,7 @@ class BatchScenario:
     document: bytes | Mapping[str, Any] | None
     label: str = ""
     seed: int | None = None
+    failures: FailureDefinition | None = None
     place: str = ""
     problems: tuple[Problem, ...] = ()
 
@@ -98,10 +101,11 @@ def _has_label(content: Mapping[str, Any]) -> bool:
 
 
 def _read_labelled(content: Mapping[str, Any], problems: list[Problem]) -> BatchScenario:
-    label, seed = "", None
+    label, seed, failures = "", None, None
     try:
         read = LabelledScenario.model_validate(content)
         label, seed = read.label, read.seed
+        failures = None if read.failures is None else read.failures.definition
     except ValidationError as error:
         odd = {problem.pointer for problem in problems}
         structural = structural_problems(error, LabelledScenario)
@@ -111,6 +115,7 @@ def _read_labelled(content: Mapping[str, Any], problems: list[Problem]) -> Batch
         document=document if isinstance(document, Mapping) else None,
         label=label,
         seed=seed,
+        failures=failures,
         place=_PLACE,
         problems=tuple(problems),
     )

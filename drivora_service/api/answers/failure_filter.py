@@ -9,6 +9,7 @@ from pydantic import AwareDatetime
 
 from drivora_service.api.answers.query_parameters import Configuration
 from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.failure_definition import Counted
 from drivora_service.store.campaigns.campaign_records import Confirmation
 from drivora_service.store.failures.failure_records import FoundFilter
 
@@ -34,6 +35,14 @@ async def _found_filter(
     confirmation: Annotated[
         Confirmation | None, Query(description="Whether it happened again, in a campaign.")
     ] = None,
+    counts: Annotated[
+        Counted | None,
+        Query(
+            description="The violations that are failures; without it, and without "
+            "`accountability` and `at_fault`, those that were defined as such for their run or "
+            "campaign. A campaign keeps only what it counts."
+        ),
+    ] = None,
     since: Annotated[
         AwareDatetime | None, Query(description="Found at this time or later.")
     ] = None,
@@ -51,6 +60,7 @@ async def _found_filter(
         study_id=study,
         batch_id=batch,
         confirmation=confirmation,
+        counts=counts,
         since=since,
         until=until,
     )

@@ -13,6 +13,7 @@ from drivora_service.api.answers.submission import Overrides
 from drivora_service.observations.trace_files.trace_rows import TraceRows
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.scenario.agent_parameters import read_agent_parameter
 from drivora_service.store.runs.result_records import ResultFilter
@@ -67,6 +68,27 @@ async def _overrides(
 RunOverrides = Annotated[Overrides, Depends(_overrides)]
 
 
+async def _posted_definition(
+    counts: Annotated[
+        Counted, Query(description="The violations that are failures of the runs.")
+    ] = Counted.ACCOUNTABLE,
+    count_oracle: Annotated[
+        list[str] | None,
+        Query(
+            max_length=100,
+            description="Only violations of this oracle are failures of the runs, observations "
+            "included; may be repeated. Without it, those of all but observations.",
+        ),
+    ] = None,
+) -> FailureDefinition:
+    return FailureDefinition(
+        counts=counts, oracles=tuple(sorted(set(count_oracle))) if count_oracle else None
+    )
+
+
+PostedDefinition = Annotated[FailureDefinition, Depends(_posted_definition)]
+
+
 async def _run_conditions(
     status: Annotated[list[RunStatus] | None, Query(description="In any of these states.")] = None,
     agent: Annotated[str, Query(max_length=200, description="Driven by this agent.")] = "",
@@ -87,6 +109,12 @@ async def _run_conditions(
         Accountability | None, Query(description="The strongest of its violations is this.")
     ] = None,
     violated: Annotated[bool | None, Query(description="With, or without, any violation.")] = None,
+    failing: Annotated[
+        bool | None,
+        Query(
+            description="With, or without, a failure by the definition with which it was posted."
+        ),
+    ] = None,
     scenario_sha256: Annotated[str, Query(max_length=64, description="Of this scenario.")] = "",
     since: Annotated[
         AwareDatetime | None, Query(description="Submitted at this time or later.")
@@ -103,6 +131,7 @@ async def _run_conditions(
         at_fault=at_fault,
         accountability=accountability,
         violated=violated,
+        failing=failing,
         scenario_sha256=scenario_sha256,
         since=since,
         until=until,

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from drivora_service.errors import UnknownName
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition, definition_of
 from drivora_service.store.campaigns.evaluation_runs import evaluation_of_run
 
 if TYPE_CHECKING:
@@ -49,6 +50,15 @@ def find_overrides(transaction: Transaction, run_id: str) -> tuple[str, int | No
         return transaction.jobs.overrides(run_id)
     except UnknownName:
         return "", None
+
+
+def find_definition(transaction: Transaction, run_id: str) -> FailureDefinition:
+    """Returns what counts as a failure of a run: that of its campaign, if it is of one."""
+    evaluation = evaluation_of_run(run_id)
+    if evaluation is not None:
+        with suppress(UnknownName):
+            return definition_of(transaction.campaigns.get(evaluation.campaign_id).document)
+    return transaction.jobs.definition(run_id)
 
 
 def find_document(transaction: Transaction, run_id: str) -> str:

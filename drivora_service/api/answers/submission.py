@@ -17,6 +17,7 @@ from drivora_service.store.runs.run_records import NewRun, RunOptions
 
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
     from drivora_service.scenario.validation import ValidScenario
 
 
@@ -80,6 +81,31 @@ def check_overrides(context: ApiContext, overrides: Overrides) -> None:
     if known[overrides.agent]:
         message = f"agent {overrides.agent!r} cannot be run here: {known[overrides.agent]}"
         raise InvalidDocument((Problem(pointer="", code="agent_not_installed", message=message),))
+
+
+def check_definition(context: ApiContext, definition: FailureDefinition, pointer: str = "") -> None:
+    """Checks the oracles that a definition of failures names.
+
+    Args:
+        context: The service.
+        definition: The definition.
+        pointer: Its place in the request; "": a parameter.
+
+    Raises:
+        InvalidDocument: There is no such oracle.
+    """
+    known = context.oracles.names()
+    problems = tuple(
+        Problem(
+            pointer=f"{pointer}/oracles/{place}" if pointer else "",
+            code="unknown_oracle",
+            message=f"unknown oracle {name[:80]!r}; known: {', '.join(known)}",
+        )
+        for place, name in enumerate(definition.oracles or ())
+        if name not in known
+    )
+    if problems:
+        raise InvalidDocument(problems)
 
 
 def new_run(

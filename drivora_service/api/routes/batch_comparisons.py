@@ -13,7 +13,7 @@ from drivora_service.api.guards.authorization import reader
 from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.errors import UnknownName
-from drivora_service.suites.gate.counted_failures import Counted
+from drivora_service.oracles.verdicts.failure_definition import Counted, requested_definition
 from drivora_service.suites.paired.batch_comparison import BatchComparison
 from drivora_service.suites.paired.failure_rules import Rules, Unfinished
 
@@ -33,8 +33,12 @@ def compare_batches(
     ],
     b: Annotated[str, Query(max_length=200, description="Id or name of batch B.")],
     counts: Annotated[
-        Counted, Query(description="The violations that are failures.")
-    ] = Counted.ACCOUNTABLE,
+        Counted | None,
+        Query(
+            description="The violations that are failures, in place of what was defined for the "
+            "runs when they were posted."
+        ),
+    ] = None,
     unfinished: Annotated[
         Unfinished, Query(description="The runs without a judgement that are failures.")
     ] = Unfinished.AGENT,
@@ -42,8 +46,8 @@ def compare_batches(
         list[str] | None,
         Query(
             max_length=100,
-            description="Only failures by this oracle count, observations included; may be "
-            "repeated.",
+            description="Only violations of this oracle are failures, observations included; may "
+            "be repeated. In place of what was defined, as `counts`.",
         ),
     ] = None,
     metric: Annotated[
@@ -66,7 +70,7 @@ def compare_batches(
         context.database,
         a,
         b,
-        rules=Rules(counted=counts, unfinished=unfinished, oracles=frozenset(oracle or ())),
+        rules=Rules(definition=requested_definition(counts, oracle or ()), unfinished=unfinished),
         metrics=tuple(metric or ()),
     )
     return json_answer(request, BatchComparison, comparison)

@@ -11,8 +11,19 @@ from fastapi import Depends, Query, Request, Response
 
 from drivora_service.api.answers import request_bodies
 from drivora_service.api.answers.batch_scenarios import read_batch_scenario
-from drivora_service.api.answers.query_parameters import Limit, PageToken, RunOverrides
-from drivora_service.api.answers.submission import Checker, Overrides, check_overrides, new_run
+from drivora_service.api.answers.query_parameters import (
+    Limit,
+    PageToken,
+    PostedDefinition,
+    RunOverrides,
+)
+from drivora_service.api.answers.submission import (
+    Checker,
+    Overrides,
+    check_definition,
+    check_overrides,
+    new_run,
+)
 from drivora_service.api.context import ApiContext, Context
 from drivora_service.api.documentation import recorded_examples
 from drivora_service.api.documentation.openapi import answers, batch_body
@@ -30,6 +41,10 @@ from drivora_service.api.schemas.batches import (
 )
 from drivora_service.api_paths import PREFIX
 from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.oracles.verdicts.failure_definition import (
+    FailureDefinition,
+    definition_to_json,
+)
 from drivora_service.shapes import to_json
 from drivora_service.store.runs.run_records import NewRun, Page, Priority
 
@@ -58,14 +73,15 @@ def post_batch(
     context: Context,
     body: request_bodies.RawBody,
     overrides: RunOverrides,
+    definition: PostedDefinition,
     name: Annotated[str, Query(max_length=200, description="Display name.")] = "",
     priority: Annotated[Priority, Query(description="Priority of its runs.")] = Priority.CI,
     idempotency_key: IdempotencyKey = "",
 ) -> Response:
     """Queues a run of every scenario in the body, a JSON list or one scenario a line (NDJSON).
 
-    A scenario may come with the label of its run, and with its seed, as `{"label": "…", "seed": 7,
-    "scenario": {…}}`.
+    A scenario may come with the label of its run, with its seed, and with what is a failure of it,
+    as `{"label": "…", "seed": 7, "failures": {"counts": "any"}, "scenario": {…}}`.
 
     Scenarios that cannot be run are rejected one by one; only if all are, is the batch refused.
 
@@ -75,8 +91,9 @@ def post_batch(
 
     def prepare() -> Work:
         check_overrides(context, overrides)
+        check_definition(context, definition)
         documents = request_bodies.split_batch(request, body, most=context.limits.batch_items)
-        checked = _check_documents(context, documents, overrides)
+        checked = _check_documents(context, documents, overrides, definition)
         owner_id = context.reserve(len(checked.runs))
 
         def commit(transaction: Transaction) -> Answer:
@@ -203,7 +220,10 @@ class _Checked:
 
 
 def _check_documents(
-    context: ApiContext, documents: Sequence[Any], overrides: Overrides
+    context: ApiContext,
+    documents: Sequence[Any],
+    overrides: Overrides,
+    definition: FailureDefinition,
 ) -> _Checked:
     """Checks the documents of a batch.
 
@@ -219,7 +239,9 @@ def _check_documents(
         try:
             scenario = read_batch_scenario(document)
             valid = scenario.check_document(checker.validate)
-            options = overrides.options
+            own = definition if scenario.failures is None else scenario.failures
+            check_definition(context, own, "/failures")
+            options = replace(overrides.options, definition=definition_to_json(own))
             if scenario.seed is not None:
                 options = replace(options, seed_override=scenario.seed)
             runs.append(new_run(valid, options, context.agents, item=item, label=scenario.label))

@@ -16,6 +16,7 @@ from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.failures import FoundFailure, found_failure_of
 from drivora_service.api_paths import PREFIX
+from drivora_service.store.failures.failure_counts import FoundCounts
 from drivora_service.store.runs.run_records import Page
 
 router = resource_router("failures", Depends(reader))
@@ -39,6 +40,18 @@ def list_failures(
     items = tuple(found_failure_of(failure, PREFIX) for failure in page.items)
     body = Page(items=items, next_page_token=page.next_page_token)
     return json_answer(request, Page[FoundFailure], body)
+
+
+@router.get(
+    "/failures:counts",
+    response_model=FoundCounts,
+    responses=answers(recorded_examples.FOUND_COUNTS, 401, 403, 422),
+)
+def count_failures(request: Request, context: Context, wanted: FoundFailures) -> Response:
+    """Returns the numbers of the failures that pass a filter, and what they count."""
+    with context.database.read() as transaction:
+        counts = transaction.found.counts(wanted)
+    return json_answer(request, FoundCounts, counts)
 
 
 @router.get(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from fastapi import Depends, Request, Response
@@ -12,9 +13,15 @@ from drivora_service.api.answers.query_parameters import (
     Label,
     Limit,
     PageToken,
+    PostedDefinition,
     RunOverrides,
 )
-from drivora_service.api.answers.submission import Checker, check_overrides, new_run
+from drivora_service.api.answers.submission import (
+    Checker,
+    check_definition,
+    check_overrides,
+    new_run,
+)
 from drivora_service.api.context import ApiContext, Context
 from drivora_service.api.documentation import recorded_examples
 from drivora_service.api.documentation.openapi import answers, scenario_body
@@ -24,6 +31,7 @@ from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, 
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.jobs import Job, job_of
 from drivora_service.api_paths import PREFIX
+from drivora_service.oracles.verdicts.failure_definition import definition_to_json
 from drivora_service.shapes import to_json
 from drivora_service.store.runs.run_records import Page, RunSummary
 
@@ -48,6 +56,7 @@ def post_job(
     context: Context,
     body: request_bodies.RawBody,
     overrides: RunOverrides,
+    definition: PostedDefinition,
     label: Label = "",
     idempotency_key: IdempotencyKey = "",
 ) -> Response:
@@ -56,8 +65,10 @@ def post_job(
 
     def prepare() -> Work:
         check_overrides(context, overrides)
+        check_definition(context, definition)
+        options = replace(overrides.options, definition=definition_to_json(definition))
         valid = Checker(context, overrides).validate(body, form)
-        run = new_run(valid, overrides.options, context.agents, item=0, label=label)
+        run = new_run(valid, options, context.agents, item=0, label=label)
         owner_id = context.reserve(1)
 
         def commit(transaction: Transaction) -> Answer:

@@ -8,7 +8,12 @@ from fastapi import Body, Depends, Query, Request, Response
 
 from drivora_service.api.answers import request_bodies
 from drivora_service.api.answers.query_parameters import Limit, PageToken
-from drivora_service.api.answers.run_lookup import find_document, find_overrides, find_run
+from drivora_service.api.answers.run_lookup import (
+    find_definition,
+    find_document,
+    find_overrides,
+    find_run,
+)
 from drivora_service.api.context import ApiContext, Context
 from drivora_service.api.documentation import recorded_examples
 from drivora_service.api.documentation.openapi import answers
@@ -147,6 +152,7 @@ def _new(
         run,
         find_document(transaction, run_id),
         overrides=find_overrides(transaction, run_id),
+        definition=find_definition(transaction, run_id),
         oracle=wanted.oracle,
         radius_m=wanted.radius_m,
         budget=wanted.budget,

@@ -4,24 +4,51 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.problems import ProblemItem
+from drivora_service.campaigns.document.campaign_documents import OracleNames
+from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.scenario import fields
 from drivora_service.shapes import Shape, combine
 from drivora_service.store.runs import run_records
 from drivora_service.store.runs.run_records import LONGEST_LABEL
+from drivora_service.suites.suite_documents import KnownFailureDocument
+
+
+class PostedFailures(Schema):
+    """What is a failure of a run."""
+
+    counts: Counted = Field(Counted.ACCOUNTABLE, description="The violations that are failures.")
+    oracles: OracleNames | None = Field(
+        None, description="The only oracles that count; without it, all but observations."
+    )
+    known: Annotated[tuple[KnownFailureDocument, ...], Field(max_length=100)] = Field(
+        (), description="Failures that are known and do not count."
+    )
+
+    @property
+    def definition(self) -> FailureDefinition:
+        """It as a value."""
+        return FailureDefinition(
+            counts=self.counts,
+            oracles=None if self.oracles is None else tuple(sorted(self.oracles)),
+            known=tuple(one.known_failure for one in self.known),
+        )
 
 
 class LabelledScenario(Schema):
-    """A scenario of a batch, with the label and the seed of its run."""
+    """A scenario of a batch, with what belongs to its run."""
 
     label: str = Field(strict=True, max_length=LONGEST_LABEL, description="Display name.")
     seed: fields.Seed | None = Field(
         None, description="Overrides the seeds of the request and of the scenario."
+    )
+    failures: PostedFailures | None = Field(
+        None, description="What is a failure of its run, in place of what the request says."
     )
     scenario: dict[str, Any] = Field(description="The scenario.")
 

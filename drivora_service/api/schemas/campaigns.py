@@ -11,6 +11,11 @@ from pydantic import Field
 from drivora_service.api.schemas.base import Schema
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.oracles.verdict import Verdict
+from drivora_service.oracles.verdicts.failure_definition import (
+    StatedDefinition,
+    definition_of,
+    state_definition,
+)
 from drivora_service.runs.run_report import RunFailure, RunStatus
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.search.genes import GeneKind, GeneSpace, Part
@@ -32,6 +37,7 @@ class Campaign(CampaignRecord):
     """A campaign, its findings and its definition.
 
     Attributes:
+        definition: What it counts as failures.
         kinds: Failures by kind, first found first.
         seeds: Findings by seed scenario; empty if there is only one.
         notes: Warnings; in the answer to posting only.
@@ -40,6 +46,7 @@ class Campaign(CampaignRecord):
         runs_url: Address of its runs; empty if no service runs it.
     """
 
+    definition: StatedDefinition
     kinds: tuple[FailureKind, ...]
     seeds: tuple[SeedFindings, ...] = ()
     notes: tuple[str, ...] = ()
@@ -195,6 +202,7 @@ def campaign_of(
     return combine(
         Campaign,
         campaign,
+        definition=state_definition((definition_of(campaign.document),)),
         kinds=kinds,
         seeds=seeds,
         notes=notes,

@@ -7,6 +7,11 @@ from dataclasses import dataclass
 from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
+from drivora_service.oracles.verdicts.failure_definition import (
+    StatedDefinition,
+    definition_of,
+    state_definition,
+)
 from drivora_service.shapes import combine
 from drivora_service.store.campaigns.study_records import (
     StudyRecord,
@@ -28,11 +33,13 @@ class Study(StudyRecord):
     """A study, its progress and its definition.
 
     Attributes:
+        definition: What its campaigns count as failures.
         notes: Warnings; in the answer to posting only.
         campaigns_url: Address of its campaigns.
     """
 
     state: StudyState
+    definition: StatedDefinition
     notes: tuple[str, ...] = ()
     campaigns_url: str
 
@@ -77,6 +84,7 @@ def study_of(
     return combine(
         Study,
         study,
+        definition=state_definition((definition_of(study.document),)),
         state=state_of(study, has_process=has_process),
         notes=notes,
         campaigns_url=f"{base}/campaigns?study={study.id}",

@@ -7,20 +7,12 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
+from drivora_service.oracles.verdicts.failure_definition import (
+    DEFAULT_DEFINITION,
+    FailureDefinition,
+)
 from drivora_service.scenario.model import AgentChoice
 from drivora_service.search.space.space_options import SpaceOptions
-
-DEFAULT_ORACLES = (
-    "collision",
-    "red_light",
-    "off_road",
-    "wrong_way",
-    "route_deviation",
-    "blocked",
-    "deadlock",
-)
-"""Oracles whose violations are failures by default: those that a driver would be blamed for. The
-others describe the quality of a drive."""
 
 DEFAULT_LOOKAHEAD = 8
 
@@ -62,7 +54,7 @@ class Campaign:
         name: Display name.
         agent: The ADS of every ego; ``None``: as in the scenario.
         budget: Number of simulations; invalid candidates do not count.
-        oracles: Oracles whose violations are failures.
+        definition: What counts as a failure.
         seed: Seed of every random draw of the search.
         workers: Worker processes; ``None``: as many as the installation has.
         lookahead: Number of candidates whose results the tester may lack. It receives results this
@@ -74,7 +66,7 @@ class Campaign:
     budget: int
     agent: AgentChoice | None = None
     space: SpaceOptions = field(default_factory=SpaceOptions)
-    oracles: tuple[str, ...] = DEFAULT_ORACLES
+    definition: FailureDefinition = DEFAULT_DEFINITION
     seed: int = 0
     workers: int | None = None
     lookahead: int = DEFAULT_LOOKAHEAD

@@ -18,11 +18,11 @@ from pydantic_core import PydanticCustomError
 
 from drivora_service.campaigns.document.campaign import (
     DEFAULT_LOOKAHEAD,
-    DEFAULT_ORACLES,
     Campaign,
     FeedbackMode,
     TesterChoice,
 )
+from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import AgentDocument, EntityDocument, FreeData
@@ -270,8 +270,15 @@ class CampaignDocument(EntityDocument):
         default_factory=SpaceDocument, description="The variable parts and their ranges."
     )
     budget: BudgetDocument = Field(description="The budget.")
-    oracles: OracleNames = Field(
-        DEFAULT_ORACLES, description="Oracles whose violations are failures."
+    counts: Counted = Field(
+        Counted.ACCOUNTABLE,
+        description="Violations that are failures: those that an ego is accountable for; also "
+        "those at the fault of others that a careful driver avoids (preventable); also unavoidable "
+        "ones (at_fault), and those of undetermined fault (possibly_at_fault); or those of others, "
+        "too (any).",
+    )
+    oracles: OracleNames | None = Field(
+        None, description="The only oracles that count; without it, all but observations."
     )
     seed: fields.Seed = Field(0, description="Seed of every random draw of the search.")
     workers: Workers | None = Field(
@@ -297,6 +304,12 @@ class CampaignDocument(EntityDocument):
                 {"found": found},
             )
         return scenarios
+
+    @property
+    def definition(self) -> FailureDefinition:
+        """What counts as a failure."""
+        oracles = None if self.oracles is None else tuple(sorted(self.oracles))
+        return FailureDefinition(counts=self.counts, oracles=oracles)
 
     @property
     def seeds(self) -> Mapping[str, ScenarioDocument]:
@@ -325,7 +338,7 @@ def to_campaign(document: CampaignDocument) -> Campaign:
         agent=None if agent is None else AgentChoice(name=agent.name, parameters=agent.parameters),
         space=SpaceOptions(**space),
         budget=document.budget.simulations,
-        oracles=document.oracles,
+        definition=document.definition,
         seed=document.seed,
         workers=document.workers,
         lookahead=document.lookahead,

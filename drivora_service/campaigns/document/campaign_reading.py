@@ -223,14 +223,15 @@ def _oracle_notes(
 ) -> Iterator[str]:
     """Yields notes on oracles that the tester needs, or that have nothing to judge."""
     tester = testers.plugin(campaign.tester.name)
-    if tester.oracle and tester.oracle not in campaign.oracles:
+    oracles = campaign.definition.oracles
+    if tester.oracle and oracles is not None and tester.oracle not in oracles:
         yield (
             f"tester {tester.name!r} searches violations of the oracle {tester.oracle!r}, which do "
             "not count here: name it in `oracles`"
         )
     egos = (ego for seed in seeds for ego in seed.scenario.ego_vehicles)
     if (
-        _PATH_ORACLE in campaign.oracles
+        _PATH_ORACLE in (oracles or ())
         and not tester.compares_paths
         and not any(ego.reference_path for ego in egos)
     ):
@@ -249,7 +250,8 @@ def _versions(
         **mutation_plugins().versions(tester.mutation),
         **selection_plugins().versions(tester.selection),
     }
-    oracles = list(campaign.oracles)
+    # Where none is named, any may count.
+    oracles = list(campaign.definition.oracles or catalogues.oracles.names())
     if _searches_laws(tester.name, catalogues):
         oracles += catalogues.oracles.library.names()
     for oracle in oracles:

@@ -10,6 +10,7 @@ from functools import lru_cache
 
 from drivora_service.agents.configuration import AgentConfiguration
 from drivora_service.campaigns.evaluator import Answer
+from drivora_service.oracles.verdicts.failure_definition import definition_of, definition_to_json
 from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.run_report import RunReport, RunSpec
 from drivora_service.scenario.canonical import from_canonical
@@ -57,6 +58,7 @@ class QueueEvaluator:
         self._database, self._campaign = database, campaign
         self._traces, self._failure_traces = places.of_runs(), places.of_failures()
         self._most, self._on_queued = most, on_queued
+        self._definition = definition_to_json(definition_of(campaign.document))
         self._has_several_seeds = bool(campaign.document.get("scenarios"))
         self._held: deque[tuple[int, RunSpec]] = deque()
         self._open: dict[str, tuple[int, RunSpec]] = {}
@@ -115,7 +117,11 @@ class QueueEvaluator:
             configuration=AgentConfiguration(
                 words=self._campaign.configuration, id=self._campaign.configuration_id
             ),
-            options=RunOptions(agent_override=spec.agent, seed_override=spec.seed),
+            options=RunOptions(
+                agent_override=spec.agent,
+                seed_override=spec.seed,
+                definition=self._definition,
+            ),
             label=f"{self._campaign.name[:150]} #{number}",
             item=number,
             feedback=spec.feedback,

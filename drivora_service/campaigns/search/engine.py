@@ -29,6 +29,7 @@ from drivora_service.campaigns.search.evaluation_judging import (
 from drivora_service.campaigns.search.seed_turns import SearchPart, Turn, Turns
 from drivora_service.errors import CampaignError, DrivoraError, PluginError
 from drivora_service.feedback.measurement import FeedbackChoice
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.runs.candidate import CandidateSource
 from drivora_service.runs.run_report import RunSpec
 from drivora_service.search.tester import EvaluationStatus, Proposal
@@ -60,12 +61,13 @@ class Search:
         run_prefix: Prefix of the ids of the runs; the number follows.
         parts: The search from each seed scenario.
         feedback: The feedback that the testers ask for.
+        definition: What counts as a failure.
     """
 
     run_prefix: str
     parts: tuple[SearchPart, ...]
     feedback: FeedbackChoice
-    oracles: frozenset[str]
+    definition: FailureDefinition
     budget: int
     lookahead: int
 
@@ -285,7 +287,7 @@ class Engine:
                 "the genes. Resume the campaign to try it again"
             )
         status = EvaluationStatus.INVALID if candidate.problem else status_of(report)
-        violations = violations_of(report, self._search.oracles)
+        violations = violations_of(report, self._search.definition)
         return EvaluationRecord(
             number=waiting.number,
             proposal=replace(waiting.proposal, values=np.array(candidate.values)),
@@ -293,6 +295,7 @@ class Engine:
             document_sha256=_sha256(candidate.document.encode()),
             report=report,
             violations=violations,
+            strongest=self._search.definition.strongest(report.verdicts),
             failure_kinds=tuple(map(waiting.turn.part.kind_of, violations)),
             search_s=self._search_s,
             prepare_s=candidate.prepare_s,

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
 
 from drivora_service.campaigns.evaluator import Answer
 from drivora_service.errors import CampaignError
-from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.verdict import Verdict
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.runs.run_report import RunReport, RunStatus
 from drivora_service.search.tester import Evaluation, EvaluationStatus
 from drivora_service.store.campaigns.campaign_records import EvaluationRecord
@@ -35,18 +35,9 @@ def refuse_lost(answer: Answer) -> None:
         )
 
 
-def violations_of(report: RunReport, oracles: Collection[str]) -> tuple[Verdict, ...]:
-    """Returns the verdicts that count as failures, in the order of their times.
-
-    These are violations of the campaign's oracles, without those known to be another actor's fault.
-    """
-    found = [
-        verdict
-        for verdict in report.verdicts
-        if verdict.oracle in oracles
-        and verdict.outcome is Outcome.VIOLATED
-        and verdict.at_fault is not False
-    ]
+def violations_of(report: RunReport, definition: FailureDefinition) -> tuple[Verdict, ...]:
+    """Returns the verdicts that count as failures, in the order of their times."""
+    found = definition.failures(report.verdicts)
     return tuple(sorted(found, key=lambda v: math.inf if v.time is None else v.time))
 
 

@@ -126,7 +126,7 @@ def prepare_search(
         run_prefix=run_prefix,
         parts=tuple(parts),
         feedback=plugin.feedback,
-        oracles=frozenset(campaign.oracles),
+        definition=campaign.definition,
         budget=campaign.budget,
         lookahead=campaign.lookahead,
     )

@@ -11,10 +11,13 @@ import typer
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import (
+    CountsOption,
     DataDirOption,
     ServerOption,
     WorkersOption,
     location,
+    parse_choice,
+    parse_counts,
 )
 from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
 from drivora_service.cli.terminal.output import JsonOption, note, print_shape
@@ -23,11 +26,8 @@ from drivora_service.errors import ConfigurationError
 if TYPE_CHECKING:
     from drivora_service.cli.batches.pair_running import SideOptions
     from drivora_service.client import Client
-    from drivora_service.suites.gate.counted_failures import Counted
     from drivora_service.suites.paired.batch_comparison import BatchComparison
-    from drivora_service.suites.paired.failure_rules import Unfinished
 
-_COUNTS = ("accountable", "at_fault", "any")
 _UNFINISHED = ("agent", "all", "none")
 _MAX_SEED = 2**31 - 1
 
@@ -41,14 +41,7 @@ def compare(
             "to run as both.",
         ),
     ],
-    counts: Annotated[
-        str,
-        typer.Option(
-            metavar="|".join(_COUNTS),
-            help="Violations that are failures: those that an ego is accountable for, also those "
-            "at fault that were not avoidable, or any.",
-        ),
-    ] = "accountable",
+    counts: CountsOption = None,
     unfinished: Annotated[
         str,
         typer.Option(
@@ -61,7 +54,8 @@ def compare(
         list[str] | None,
         typer.Option(
             metavar="NAME",
-            help="Count failures by this oracle only, observations included; may be repeated.",
+            help="Count violations of this oracle only, observations included; may be repeated "
+            "[default: as defined where the runs were posted].",
         ),
     ] = None,
     metric: Annotated[
@@ -94,7 +88,10 @@ def compare(
 
     Exits with 3 if no run has a counterpart, or a scenario could not be run.
     """
-    rules = _rules(counts, unfinished)
+    from drivora_service.suites.paired.failure_rules import Unfinished
+
+    unjudged = parse_choice(Unfinished, unfinished, "--unfinished")
+    counted = parse_counts(counts)
     check_folder(out)
     runs_both = bool(agent_a or agent_b or parameter_a or parameter_b)
     if not runs_both and (workers is not None or seed is not None):
@@ -124,8 +121,8 @@ def compare(
             )
         comparison = client.compare_batches(
             *wanted,
-            counts=rules[0],
-            unfinished=rules[1],
+            counts=counted,
+            unfinished=unjudged,
             oracles=tuple(oracle or ()),
             metrics=tuple(dict.fromkeys(metric or ())),
         )
@@ -148,21 +145,6 @@ def _show(comparison: BatchComparison, out: Path | None, *, as_json: bool) -> No
             written = write_batch_comparison(comparison, out)
         for path in written:
             note(str(path))
-
-
-def _rules(counts: str, unfinished: str) -> tuple[Counted, Unfinished]:
-    from drivora_service.suites.gate.counted_failures import Counted
-    from drivora_service.suites.paired.failure_rules import Unfinished
-
-    for option, value, allowed in (
-        ("--counts", counts, _COUNTS),
-        ("--unfinished", unfinished, _UNFINISHED),
-    ):
-        if value not in allowed:
-            raise typer.BadParameter(
-                f"found {value!r}; allowed: {', '.join(allowed)}", param_hint=option
-            )
-    return Counted(counts), Unfinished(unfinished)
 
 
 def _run_both(

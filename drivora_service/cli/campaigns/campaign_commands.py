@@ -110,7 +110,7 @@ def run(
 
         with _exit_on_problems(file):
             document = read_campaign_file(file)
-            chosen = _gate_of_document(document, gate_oracle or (), is_wanted=gate)
+            chosen = _gate_of_document(client, document, gate_oracle or (), is_wanted=gate)
             campaign = client.post_campaign(json.dumps(document))
         for remark in campaign.notes:
             note(f"note: {remark}")
@@ -156,7 +156,7 @@ def resume(
         on_error=say_error,
     ) as client:
         document = client.campaign(campaign_id).document
-        chosen = _gate_of_document(document, gate_oracle or (), is_wanted=gate)
+        chosen = _gate_of_document(client, document, gate_oracle or (), is_wanted=gate)
         campaign = client.resume_campaign(campaign_id)
         _finish(
             client,
@@ -328,33 +328,43 @@ def _finish(
     if campaign.state is not CampaignState.FINISHED:
         raise typer.Exit(ExitCode.NOT_DONE)
     if gate is not None:
-        from drivora_service.cli.runs.run_gates import violations_of_campaign
+        from drivora_service.cli.runs.run_gates import group_by_evaluation
 
         failures = ((one.evaluation, one.verdict) for one in client.failures(campaign.id))
-        answer = gate.judge(violations_of_campaign(failures))
+        answer = gate.judge(group_by_evaluation(failures))
         note(str(answer))
         if answer.fails:
             raise typer.Exit(ExitCode.GATE_FAILED)
 
 
 def _gate_of_document(
-    document: Mapping[str, Any], wanted: Sequence[str], *, is_wanted: bool
+    client: Client, document: Mapping[str, Any], wanted: Sequence[str], *, is_wanted: bool
 ) -> Gate | None:
-    """Reads the gate of a campaign: of the oracles whose violations it counts as failures.
+    """Reads the gate of a campaign: of what it counts as failures.
 
     It is read before the campaign is posted, so that a wrong one stores nothing.
     """
     if not (wanted or is_wanted):
         return None
-    from drivora_service.campaigns.document.campaign import DEFAULT_ORACLES
     from drivora_service.cli.runs.run_gates import Gate, read_gate
+    from drivora_service.oracles.verdicts.failure_definition import Counted, definition_of
 
-    counted = document.get("oracles", DEFAULT_ORACLES)
-    if not isinstance(counted, list | tuple):
+    counts, named = document.get("counts"), document.get("oracles")
+    if (counts is not None and counts not in list(Counted)) or not isinstance(
+        named, list | tuple | None
+    ):
         # It is refused with the document.
         return Gate()
+    if not wanted:
+        return Gate(definition=definition_of(document))
+    known = (
+        [oracle.name for oracle in client.oracles().items]
+        if named is None
+        else [str(one) for one in named]
+    )
     try:
-        return read_gate(wanted, [str(one) for one in counted], counted_by="the campaign")
+        counted = None if counts is None else Counted(counts)
+        return read_gate(wanted, known, counted_by="the campaign", counts=counted)
     except ConfigurationError as error:
         fail(str(error))
         raise typer.Exit(ExitCode.USAGE_ERROR) from error

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
-from drivora_service.cli.terminal.options import DataDirOption, ServerOption
+from drivora_service.cli.terminal.options import DataDirOption, ServerOption, parse_counts
 from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
 from drivora_service.cli.terminal.output import JsonOption, note, print_json
 
@@ -22,14 +22,6 @@ class Each(StrEnum):
     FAILURE = "failure"
 
 
-class Counts(StrEnum):
-    """The failures that are taken at all."""
-
-    ACCOUNTABLE = "accountable"
-    AT_FAULT = "at_fault"
-    ANY = "any"
-
-
 def export(
     campaigns: Annotated[list[str], typer.Argument(metavar="ID…", help="Ids of campaigns.")],
     suite: Annotated[
@@ -40,9 +32,13 @@ def export(
         Each, typer.Option(help="Take the first failure of each kind or group, or every one.")
     ] = Each.GROUP,
     counts: Annotated[
-        Counts,
-        typer.Option(help="Take what an ego is accountable for, is at fault for, or all."),
-    ] = Counts.ACCOUNTABLE,
+        str | None,
+        typer.Option(
+            metavar="WORD",
+            help="Take, and count in the scenarios, only these failures: accountable, preventable, "
+            "at_fault, possibly_at_fault or any [default: as the campaign counts].",
+        ),
+    ] = None,
     most: Annotated[
         int | None, typer.Option(min=1, help="Most scenarios that are added [default: all].")
     ] = None,
@@ -51,15 +47,13 @@ def export(
     as_json: JsonOption = False,
 ) -> None:
     """Adds the scenarios of found failures to a suite, which has none twice."""
+    counted = parse_counts(counts)
     check_folder(suite)
     with open_client(server, data_dir) as client:
         from drivora_service.cli.campaigns.campaign_scenarios import find_failure_scenarios
-        from drivora_service.suites.gate.counted_failures import Counted
         from drivora_service.suites.suite_exporting import export_scenarios
 
-        found = find_failure_scenarios(
-            client, campaigns, each=each, counted=Counted(counts), most=most
-        )
+        found = find_failure_scenarios(client, campaigns, each=each, counted=counted, most=most)
         with convert_write_errors(suite):
             done = export_scenarios(suite, found, name=suite.resolve().name)
     if as_json:

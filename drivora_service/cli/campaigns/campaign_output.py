@@ -127,9 +127,11 @@ def _print_seeds(campaign: Campaign) -> None:
 def _accountable(counts: CampaignCounts) -> str:
     parts = [f"{counts.at_fault} at fault"]
     if counts.avoidable is not None:
-        parts.append(f"{counts.avoidable} of them avoidable, {counts.unavoidable} not")
+        parts.append(f"{counts.avoidable} avoidable, {counts.unavoidable} not avoidable")
     if counts.undetermined:
         parts.append(f"{counts.undetermined} undetermined")
+    if counts.preventable:
+        parts.append(f"{counts.preventable} not at fault, but avoidable")
     return "; ".join(parts)
 
 

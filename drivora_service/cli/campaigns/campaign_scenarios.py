@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from drivora_service.api.schemas.campaigns import Campaign, Failure
-from drivora_service.campaigns.document.campaign import DEFAULT_ORACLES
 from drivora_service.client import Client
-from drivora_service.oracles.verdict import Severity
 from drivora_service.oracles.verdicts.accountability import accountability
+from drivora_service.oracles.verdicts.failure_definition import (
+    Counted,
+    FailureDefinition,
+    definition_of,
+)
 from drivora_service.oracles.verdicts.failure_facts import failure_sentence
 from drivora_service.scenario.documents import ScenarioDocument, parse_document
 from drivora_service.store.campaigns.campaign_records import Confirmation
-from drivora_service.suites.gate.counted_failures import COUNTED, Counted
 from drivora_service.suites.suite_exporting import FoundScenario, slug, tag
 
 
@@ -21,7 +24,7 @@ def find_failure_scenarios(
     campaigns: Sequence[str],
     *,
     each: str,
-    counted: Counted,
+    counted: Counted | None,
     most: int | None,
 ) -> Iterator[FoundScenario]:
     """Yields the scenarios of failures.
@@ -30,7 +33,8 @@ def find_failure_scenarios(
         client: Client of the application or service that has the campaigns.
         campaigns: Their ids.
         each: ``kind``, ``group`` or ``failure``: one of each is taken, the first confirmed one.
-        counted: Failures that are taken at all.
+        counted: Failures that are taken, and that count in the scenarios; ``None``: as the campaign
+            counts.
         most: Greatest number of scenarios; ``None``: all.
 
     Raises:
@@ -40,12 +44,15 @@ def find_failure_scenarios(
     taken = 0
     for campaign_id in campaigns:
         campaign = client.campaign(campaign_id)
+        definition = definition_of(campaign.document)
+        if counted is not None:
+            definition = replace(definition, counts=counted)
         failures = [
             one
             for one in client.failures(campaign_id)
             # A flaky one would not fail in the suite either.
             if one.confirmation is not Confirmation.FLAKY
-            and accountability(one.verdict) in COUNTED[counted]
+            and definition.counts_degree(accountability(one.verdict))
         ]
         for failure, oracles in _choose_failures(failures, each):
             if most is not None and taken >= most:
@@ -53,7 +60,7 @@ def find_failure_scenarios(
             taken += 1
             text = client.evaluation_scenario(campaign_id, failure.evaluation)
             document = parse_document(text, "json")
-            yield _scenario(document, failure, oracles, campaign)
+            yield _scenario(document, failure, oracles, campaign, definition)
 
 
 def _choose_failures(
@@ -83,21 +90,19 @@ def _scenario(
     failure: Failure,
     oracles: tuple[str, ...],
     campaign: Campaign,
+    definition: FailureDefinition,
 ) -> FoundScenario:
     town = document.map_region.town
     oracle, _, where = failure.kind.partition("|")
     place = where.partition("|")[0]
     sentence = failure_sentence(failure.verdict, town=town, kind=failure.kind)
-    # An observation counts only where it is named, as it was in the campaign.
-    is_observation = failure.verdict.severity is Severity.OBSERVATION
-    counting = campaign.document.get("oracles", DEFAULT_ORACLES) if is_observation else ()
     return FoundScenario(
         stem=slug((town, oracle, place)),
         document=document,
         tags=tuple(
             dict.fromkeys((tag(town), *map(tag, oracles), tag(f"found-by-{campaign.tester}")))
         ),
-        oracles=tuple(counting),
+        definition=definition,
         comment=f"{sentence} Found by {campaign.tester} against {campaign.configuration}: "
         f"evaluation {failure.evaluation} of campaign {campaign.id}.",
     )

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from drivora_service.api.schemas.failure_groups import FailureGroup
     from drivora_service.api.schemas.failures import FoundFailure
+    from drivora_service.store.failures.failure_counts import FoundCounts
 
 
 def print_failures(failures: Sequence[FoundFailure]) -> None:
@@ -30,6 +31,19 @@ def print_failures(failures: Sequence[FoundFailure]) -> None:
     )
 
 
+def print_counts(counts: FoundCounts) -> None:
+    """Prints the numbers of all failures, and what they count."""
+    runs = "" if counts.runs is None else f" in {counts.runs} runs"
+    parts = [f"{counts.avoidable} at fault and avoidable"]
+    if counts.preventable:
+        parts.append(f"{counts.preventable} not at fault, but avoidable")
+    typer.echo(f"{counts.failures} failures{runs}; {', '.join(parts)}")
+    if counts.definition is not None:
+        typer.echo(f"failures are {counts.definition.words}")
+    else:
+        typer.echo("failures are what each suite, campaign or request defined, see --counts")
+
+
 def print_groups(groups: Sequence[FailureGroup]) -> None:
     """Prints a row a group, and how many are new, the same and gone since a baseline."""
     compared = any(one.since_baseline for one in groups)
@@ -40,7 +54,7 @@ def print_groups(groups: Sequence[FailureGroup]) -> None:
             "status",
             *(("since",) if compared else ()),
             "failures",
-            "count",
+            "avoidable",
             "last seen",
             "assignee",
             "what",

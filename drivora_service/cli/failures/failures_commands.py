@@ -10,9 +10,11 @@ import typer
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import (
     ConfigurationOption,
+    CountsOption,
     DataDirOption,
     ServerOption,
     parse_choice,
+    parse_counts,
 )
 from drivora_service.cli.terminal.output import JsonOption, fail, print_shape
 
@@ -59,6 +61,7 @@ def list_failures(
     campaign: _CampaignOption = "",
     study: _StudyOption = "",
     batch: _BatchOption = "",
+    counts: CountsOption = None,
     limit: _LimitOption = 50,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
@@ -66,18 +69,20 @@ def list_failures(
 ) -> None:
     """Lists failures, the last found first."""
     wanted = _make_filter(
-        group, oracle, agent, configuration, town, accountability, campaign, study, batch
+        group, oracle, agent, configuration, town, accountability, campaign, study, batch, counts
     )
     with open_client(server, data_dir) as client:
         from drivora_service.api.schemas.failures import FoundFailure
 
         failures = tuple(client.found_failures(wanted, limit=limit))
+        found = client.found_counts(wanted)
     if as_json:
         print_shape(tuple[FoundFailure, ...], failures)
     else:
-        from drivora_service.cli.failures.failure_output import print_failures
+        from drivora_service.cli.failures.failure_output import print_counts, print_failures
 
         print_failures(failures)
+        print_counts(found)
 
 
 @app.command()
@@ -112,6 +117,7 @@ def groups(
     campaign: _CampaignOption = "",
     study: _StudyOption = "",
     batch: _BatchOption = "",
+    counts: CountsOption = None,
     limit: _LimitOption = 50,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
@@ -122,7 +128,7 @@ def groups(
     from drivora_service.store.failures.group_records import GroupStatus, SinceBaseline
 
     wanted = _make_filter(
-        "", oracle, agent, configuration, town, accountability, campaign, study, batch
+        "", oracle, agent, configuration, town, accountability, campaign, study, batch, counts
     )
     statuses = tuple(parse_choice(GroupStatus, one, "--status") for one in status or ())
     if since_baseline and not baseline:
@@ -141,6 +147,7 @@ def groups(
             since_baseline=since,
             limit=limit,
         )
+        counted = client.found_counts(wanted)
         try:
             found = tuple(listing)
         except InvalidDocument as error:
@@ -148,9 +155,10 @@ def groups(
     if as_json:
         print_shape(tuple[FailureGroup, ...], found)
     else:
-        from drivora_service.cli.failures.failure_output import print_groups
+        from drivora_service.cli.failures.failure_output import print_counts, print_groups
 
         print_groups(found)
+        print_counts(counted)
 
 
 @app.command()
@@ -301,6 +309,7 @@ def _make_filter(
     campaign: str,
     study: str,
     batch: str,
+    counts: str | None,
 ) -> FoundFilter:
     from drivora_service.store.failures.failure_records import FoundFilter
 
@@ -314,6 +323,7 @@ def _make_filter(
         campaign_id=campaign,
         study_id=study,
         batch_id=batch,
+        counts=parse_counts(counts),
     )
 
 

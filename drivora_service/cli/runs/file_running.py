@@ -18,6 +18,7 @@ from drivora_service.cli.terminal.private_files import give_to_user
 from drivora_service.client import Client
 from drivora_service.client.calls.jobs import PostOptions
 from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.scenario.documents import document_text
 from drivora_service.store.runs.run_records import Priority
 
@@ -35,6 +36,7 @@ def run_files(
     where: str,
     on_result: Callable[[ScenarioResult], None],
     seeds: Sequence[int | None] | None = None,
+    definitions: Sequence[FailureDefinition] | None = None,
     batch_name: str = RUN_BATCH,
     priority: Priority = Priority.INTERACTIVE,
     on_posted: Callable[[str], None] = lambda _batch_id: None,
@@ -50,6 +52,7 @@ def run_files(
         where: Options with which other commands find the runs.
         on_result: Called with each result, in any order.
         seeds: Seed of each file's run in place of the options'; ``None``: none has its own.
+        definitions: What is a failure of each file's run; ``None``: as the options say.
         batch_name: Display name of the batch.
         priority: Priority of the runs.
         on_posted: Called with the id of the batch once it is queued.
@@ -72,6 +75,7 @@ def run_files(
             [document_text(file.document) for file in files],
             labels=[file.name for file in files],
             seeds=seeds,
+            definitions=definitions,
             name=batch_name,
             priority=priority,
             **options,

@@ -13,11 +13,13 @@ from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import (
     AgentParameterOption,
+    CountsOption,
     DataDirOption,
     GateOracleOption,
     ServerOption,
     WorkersOption,
     location,
+    parse_counts,
 )
 from drivora_service.cli.terminal.out_option import check_folder
 from drivora_service.cli.terminal.output import JsonOption, fail, note, print_json
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
 
     from drivora_service.cli.runs.run_gates import Gate
     from drivora_service.cli.runs.run_output import ScenarioResult
+    from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 
 _MAX_SEED = 2**31 - 1
 
@@ -71,6 +74,7 @@ def run(
         ),
     ] = False,
     gate_oracle: GateOracleOption = None,
+    counts: CountsOption = None,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
@@ -80,7 +84,8 @@ def run(
     With --json, one scenario prints one object: the run as the API shows it, with `scenario`,
     `trace` and `notes`; several print {"batch_id": …, "runs": […]}.
     """
-    chosen = _gate(gate_oracle or (), data_dir) if gate or gate_oracle else None
+    counted = parse_counts(counts)
+    chosen = _gate(gate_oracle or (), counted, data_dir) if gate or gate_oracle else None
     check_folder(out)
     where = location(server, data_dir)
     with open_client(server, data_dir, works=True, makes_data=True, workers=workers) as client:
@@ -106,6 +111,7 @@ def run(
                 agent=agent,
                 agent_parameters=agent_parameter or (),
                 seed=seed,
+                definition=_definition(chosen, counted),
                 out=out,
                 where=where,
                 on_result=step,
@@ -125,21 +131,31 @@ def run(
     if any(result.status is not RunStatus.FINISHED for result in done):
         raise typer.Exit(ExitCode.NOT_DONE)
     if chosen is not None:
-        from drivora_service.cli.runs.run_gates import violations_of_run
-
-        answer = chosen.judge(violations_of_run(result.violations) for result in done)
+        answer = chosen.judge(result.violations for result in done)
         note(str(answer))
         if answer.fails:
             raise typer.Exit(ExitCode.GATE_FAILED)
 
 
-def _gate(wanted: Sequence[str], data_dir: Path | None) -> Gate:
+def _definition(gate: Gate | None, counted: Counted | None) -> FailureDefinition:
+    """Returns what is a failure of the runs: what the gate counts, if there is one."""
+    from drivora_service.oracles.verdicts.failure_definition import (
+        DEFAULT_DEFINITION,
+        requested_definition,
+    )
+
+    if gate is not None:
+        return gate.definition
+    return requested_definition(counted, ()) or DEFAULT_DEFINITION
+
+
+def _gate(wanted: Sequence[str], counted: Counted | None, data_dir: Path | None) -> Gate:
     from drivora_service.cli.application.installation import oracle_catalogue, settings_for
     from drivora_service.cli.runs.run_gates import read_gate
 
     known = oracle_catalogue(settings_for(data_dir)).names()
     try:
-        return read_gate(wanted, known, counted_by="Drivora")
+        return read_gate(wanted, known, counted_by="Drivora", counts=counted)
     except ConfigurationError as error:
         fail(str(error))
         raise typer.Exit(ExitCode.USAGE_ERROR) from error

@@ -8,29 +8,16 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from drivora_service.errors import ConfigurationError
-from drivora_service.oracles.verdict import Severity, Verdict
-from drivora_service.oracles.verdicts.accountability import (
-    ACCOUNTABLE,
-    Accountability,
-    accountability,
+from drivora_service.oracles.verdict import Verdict
+from drivora_service.oracles.verdicts.accountability import Accountability, accountability
+from drivora_service.oracles.verdicts.failure_definition import (
+    DEFAULT_DEFINITION,
+    Counted,
+    FailureDefinition,
+    requested_definition,
 )
-from drivora_service.oracles.verdicts.failure_facts import is_consequence
 
 _RUNS = re.compile(r"[0-9]{1,9}")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Violation:
-    """A violated oracle as a gate counts it.
-
-    Attributes:
-        is_observation: It counts only where its oracle is named: it is an observation, or follows
-            from a violation that counts.
-    """
-
-    oracle: str
-    is_observation: bool
-    accountability: Accountability
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +29,8 @@ class GateAnswer:
         failing_runs: Runs in which an oracle of the gate was violated.
         violations: How often.
         by_oracle: Failing runs by oracle.
-        passed_over: Violations that do not count, since the ego is not accountable for them.
+        passed_over: Violations that do not count, for the accountability of the ego.
+        preventable: Those of them at the fault of others that a careful driver avoids.
     """
 
     fails: bool
@@ -50,6 +38,7 @@ class GateAnswer:
     violations: int
     by_oracle: Mapping[str, int]
     passed_over: int
+    preventable: int
 
     def __str__(self) -> str:
         """Returns it in one line."""
@@ -60,7 +49,9 @@ class GateAnswer:
         if oracles:
             text += f" ({oracles})"
         if self.passed_over:
-            text += f"; {self.passed_over} that the ego is not accountable for"
+            text += f"; {self.passed_over} that do not count"
+            if self.preventable:
+                text += f" ({self.preventable} not at fault, but avoidable)"
         return text
 
 
@@ -69,41 +60,57 @@ class Gate:
     """Oracles and the number of runs in which each may be violated.
 
     Attributes:
-        allowed: Runs by oracle; empty: every oracle but observations, in none.
+        definition: What counts as a failure of a run.
+        allowed: Runs by oracle; empty: in none.
     """
 
+    definition: FailureDefinition = DEFAULT_DEFINITION
     allowed: Mapping[str, int] = field(default_factory=dict)
 
-    def judge(self, runs: Iterable[Sequence[Violation]]) -> GateAnswer:
-        """Counts the runs in which oracles of this gate were violated."""
+    def judge(self, runs: Iterable[Collection[Verdict]]) -> GateAnswer:
+        """Counts the runs with failures.
+
+        Args:
+            runs: The violations of each run.
+        """
         by_oracle: Counter[str] = Counter()
-        failing = violations = passed_over = 0
+        failing = violations = passed_over = preventable = 0
         for violated in runs:
-            looked_at = [one for one in violated if self._looks_at(one)]
-            counted = [one for one in looked_at if one.accountability in ACCOUNTABLE]
+            looked_at = [one for one in violated if self.definition.looks_at(one)]
+            counted = [one for one in looked_at if self.definition.is_failure(one)]
             by_oracle.update({one.oracle for one in counted})
             failing += bool(counted)
             violations += len(counted)
             passed_over += len(looked_at) - len(counted)
+            preventable += sum(
+                accountability(one) is Accountability.PREVENTABLE
+                for one in looked_at
+                if not self.definition.is_failure(one)
+            )
         return GateAnswer(
             fails=any(count > self.allowed.get(name, 0) for name, count in by_oracle.items()),
             failing_runs=failing,
             violations=violations,
             by_oracle=dict(by_oracle),
             passed_over=passed_over,
+            preventable=preventable,
         )
 
-    def _looks_at(self, violation: Violation) -> bool:
-        return violation.oracle in self.allowed if self.allowed else not violation.is_observation
 
-
-def read_gate(wanted: Sequence[str], known: Collection[str], *, counted_by: str) -> Gate:
+def read_gate(
+    wanted: Sequence[str],
+    known: Collection[str],
+    *,
+    counted_by: str,
+    counts: Counted | None = None,
+) -> Gate:
     """Reads ``ORACLE`` and ``ORACLE=RUNS``.
 
     Args:
         wanted: Texts of the command line.
         known: Names of the oracles that runs are judged by.
         counted_by: Owner of the oracles, for the message.
+        counts: The violations that are failures; ``None``: the default.
 
     Raises:
         ConfigurationError: An oracle is not among ``known``, or what it allows is no number.
@@ -121,33 +128,13 @@ def read_gate(wanted: Sequence[str], known: Collection[str], *, counted_by: str)
                 f"--gate-oracle {name}: {runs[:40]!r} is no number of runs; write it as {name}=0"
             )
         allowed[name] = int(runs or 0)
-    return Gate(allowed=allowed)
+    definition = requested_definition(counts, allowed) or DEFAULT_DEFINITION
+    return Gate(definition=definition, allowed=allowed)
 
 
-def violations_of_run(violated: Iterable[Verdict]) -> list[Violation]:
-    """Returns the violations of a run."""
-    return [
-        Violation(
-            oracle=verdict.oracle,
-            is_observation=verdict.severity is Severity.OBSERVATION or is_consequence(verdict),
-            accountability=accountability(verdict),
-        )
-        for verdict in violated
-    ]
-
-
-def violations_of_campaign(violated: Iterable[tuple[int, Verdict]]) -> list[list[Violation]]:
-    """Returns the violations by evaluation.
-
-    A violation that a campaign counts as a failure is not an observation: the campaign names it.
-    """
-    runs: dict[int, list[Violation]] = {}
+def group_by_evaluation(violated: Iterable[tuple[int, Verdict]]) -> list[list[Verdict]]:
+    """Returns the failures of a campaign by evaluation."""
+    runs: dict[int, list[Verdict]] = {}
     for number, verdict in violated:
-        runs.setdefault(number, []).append(
-            Violation(
-                oracle=verdict.oracle,
-                is_observation=False,
-                accountability=accountability(verdict),
-            )
-        )
+        runs.setdefault(number, []).append(verdict)
     return list(runs.values())

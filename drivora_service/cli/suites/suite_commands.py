@@ -165,6 +165,7 @@ def run(
             repetitions=repetitions or read.repetitions,
             seed=seed,
             where=location(server, data_dir),
+            gate=gate.definition,
         )
         with run_progress(["runs"], total=len(chosen) * order.repetitions) as count:
             done = run_suite(client, read, chosen, order, shard=part, on_run=lambda: count("runs"))

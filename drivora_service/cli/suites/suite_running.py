@@ -10,6 +10,10 @@ from drivora_service.cli.runs.file_running import run_files
 from drivora_service.cli.runs.run_output import ScenarioResult
 from drivora_service.cli.scenarios.scenario_files import ScenarioFile
 from drivora_service.client import Client
+from drivora_service.oracles.verdicts.failure_definition import (
+    DEFAULT_DEFINITION,
+    FailureDefinition,
+)
 from drivora_service.scenario.documents import document_text
 from drivora_service.store.runs.run_records import Priority
 from drivora_service.suites.scenario_selection import Shard
@@ -37,6 +41,7 @@ class SuiteOrder:
         repetitions: Runs of each scenario.
         seed: Number from which the seeds follow; ``None``: those of the documents.
         where: Options with which other commands find the runs.
+        gate: What the gate counts as a failure where the suite says nothing.
     """
 
     agent: str
@@ -44,6 +49,7 @@ class SuiteOrder:
     repetitions: int
     seed: int | None
     where: str
+    gate: FailureDefinition = DEFAULT_DEFINITION
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -174,6 +180,7 @@ def _run(
             seeds=[one.seed for one in part],
             batch_name=f"suite {suite.name}",
             priority=Priority.CI,
+            definitions=[one.scenario.definition(order.gate) for one in part],
         )
         for one, result in zip(part, results, strict=True):
             runs.append(_suite_run(one, result))

@@ -5,9 +5,12 @@ from __future__ import annotations
 import shlex
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
+
+if TYPE_CHECKING:
+    from drivora_service.oracles.verdicts.failure_definition import Counted
 
 ServerOption = Annotated[
     str,
@@ -50,6 +53,16 @@ ConfigurationOption = Annotated[
         help="Of the agents with all their parameters that have this id; `runs show` prints it.",
     ),
 ]
+CountsOption = Annotated[
+    str | None,
+    typer.Option(
+        "--counts",
+        metavar="WORD",
+        help="Violations that are failures: accountable, preventable (also those of others that a "
+        "careful driver avoids), at_fault (also unavoidable ones), possibly_at_fault, or any "
+        "[default: as defined where the runs were posted].",
+    ),
+]
 GateOracleOption = Annotated[
     list[str] | None,
     typer.Option(
@@ -87,6 +100,18 @@ RayAddressOption = Annotated[
 
 
 _Word = TypeVar("_Word", bound=StrEnum)
+
+
+def parse_counts(word: str | None) -> Counted | None:
+    """Reads ``--counts``; ``None`` if it is not given.
+
+    Raises:
+        typer.BadParameter: It is no such word.
+    """
+    # Imported here: commands that do not count need not load the verdicts.
+    from drivora_service.oracles.verdicts.failure_definition import Counted
+
+    return None if word is None else parse_choice(Counted, word, "--counts")
 
 
 def parse_choice(kind: type[_Word], word: str, option: str) -> _Word:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from drivora_service.api.schemas.failure_groups import FailureGroup, GroupChangeList
     from drivora_service.api.schemas.failures import FoundFailure
+    from drivora_service.store.failures.failure_counts import FoundCounts
     from drivora_service.store.failures.failure_records import FoundFilter
     from drivora_service.store.failures.group_records import GroupStatus, SinceBaseline
 
@@ -26,6 +27,13 @@ def found_failures(
     from drivora_service.api.schemas.failures import FoundFailure
 
     return make_listing(f"{PREFIX}/failures", FoundFailure, limit, query=_query(wanted))
+
+
+def found_counts(wanted: FoundFilter | None = None) -> Call[FoundCounts]:
+    """Returns the numbers of the failures that pass a filter, and what they count."""
+    from drivora_service.store.failures.failure_counts import FoundCounts
+
+    return get(f"{PREFIX}/failures:counts", FoundCounts, query=_query(wanted))
 
 
 def found_failure(failure_id: int) -> Call[FoundFailure]:
@@ -166,6 +174,7 @@ def _query(wanted: FoundFilter | None) -> Query:
         "study": wanted.study_id,
         "batch": wanted.batch_id,
         "confirmation": wanted.confirmation,
+        "counts": wanted.counts,
         "since": None if wanted.since is None else wanted.since.isoformat(),
         "until": None if wanted.until is None else wanted.until.isoformat(),
     }

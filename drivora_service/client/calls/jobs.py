@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterable, Sequence
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, Any, TypedDict
 
 from drivora_service.api_paths import PREFIX
 from drivora_service.client.call import (
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from drivora_service.api.schemas.batches import Batch, BatchSubmission
     from drivora_service.api.schemas.jobs import Job
     from drivora_service.api.schemas.service import Inspection, Validation
+    from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
     from drivora_service.store.runs.run_records import JobFilter, Priority, RunSummary
-    from drivora_service.suites.gate.counted_failures import Counted
     from drivora_service.suites.paired.batch_comparison import BatchComparison
     from drivora_service.suites.paired.failure_rules import Unfinished
 
@@ -36,6 +36,7 @@ class PostOptions(TypedDict, total=False):
     agent: str
     agent_parameters: Sequence[str]
     seed: int | None
+    definition: FailureDefinition | None
 
 
 def validate_scenario(
@@ -99,6 +100,7 @@ def post_job(
     agent: str = "",
     agent_parameters: Sequence[str] = (),
     seed: int | None = None,
+    definition: FailureDefinition | None = None,
 ) -> Call[Job]:
     """Queues a run of a scenario; returns its job.
 
@@ -109,6 +111,7 @@ def post_job(
         agent: Drives every ego; "": as documented.
         agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
         seed: Overrides the document's.
+        definition: What is a failure of the run; ``None``: the default. What is known is left out.
 
     Raises:
         InvalidDocument: It cannot be run.
@@ -120,7 +123,11 @@ def post_job(
         Job,
         document_bytes(document),
         language=language,
-        query={"label": label, **_overrides(agent, agent_parameters, seed)},
+        query={
+            "label": label,
+            **_overrides(agent, agent_parameters, seed),
+            **_counted(definition),
+        },
     )
 
 
@@ -155,6 +162,8 @@ def post_batch(
     agent: str = "",
     agent_parameters: Sequence[str] = (),
     seed: int | None = None,
+    definition: FailureDefinition | None = None,
+    definitions: Sequence[FailureDefinition] | None = None,
 ) -> Call[BatchSubmission]:
     """Queues a run of every scenario that can be run; returns what became of each.
 
@@ -168,20 +177,29 @@ def post_batch(
         agent: Drives every ego; "": as documented.
         agent_parameters: ``NAME=VALUE`` or ``EGO:NAME=VALUE``.
         seed: Overrides the documents'.
+        definition: What is a failure of the runs; ``None``: the default. What is known is left out.
+        definitions: What is a failure of each run, one for each scenario, for scenarios with
+            labels; ``None``: the same for all.
 
     Raises:
         InvalidDocument: None of them can be run; pointers begin with the place of the scenario,
             such as ``/0``, or ``/0/scenario`` where there are labels. Pointers of rejected
             scenarios are into the scenario, or begin with ``/scenario``.
-        ValueError: There are more or fewer labels or seeds than scenarios, or seeds and no labels.
+        ValueError: There are more or fewer labels, seeds or definitions than scenarios, or seeds or
+            definitions and no labels.
     """
     from drivora_service.api.schemas.batches import BatchSubmission
 
     return post(
         f"{PREFIX}/batches",
         BatchSubmission,
-        b"[" + b",".join(_batch_items(documents, labels, seeds)) + b"]",
-        query={"name": name, "priority": priority, **_overrides(agent, agent_parameters, seed)},
+        b"[" + b",".join(_batch_items(documents, labels, seeds, definitions)) + b"]",
+        query={
+            "name": name,
+            "priority": priority,
+            **_overrides(agent, agent_parameters, seed),
+            **_counted(definition),
+        },
     )
 
 
@@ -213,10 +231,11 @@ def compare_batches(
     Args:
         a: Id of batch A, or its name: the newest batch of this name.
         b: Id or name of batch B.
-        counts: The violations that are failures; ``None``: those that an ego is accountable for.
+        counts: The violations that are failures; ``None``: as defined where the runs were posted,
+            unless oracles are named.
         unfinished: The runs without a judgement that are failures; ``None``: those that the ADS
             ended.
-        oracles: The only oracles that count, observations included; empty: all but observations.
+        oracles: The only oracles that count, observations included; empty: as ``counts`` says.
         metrics: Metrics to compare, and to show of each run; empty: all are compared, and the
             driving score is shown.
     """
@@ -264,6 +283,7 @@ def job_query(wanted: JobFilter | None) -> Query:
         "at_fault": wanted.at_fault,
         "accountability": wanted.accountability,
         "violated": wanted.violated,
+        "failing": wanted.failing,
         "scenario_sha256": wanted.scenario_sha256,
         "campaign": wanted.campaign_id,
         "since": None if wanted.since is None else wanted.since.isoformat(),
@@ -281,22 +301,59 @@ def _batch_items(
     documents: Sequence[Document],
     labels: Sequence[str] | None,
     seeds: Sequence[int | None] | None,
+    definitions: Sequence[FailureDefinition] | None,
 ) -> Iterable[bytes]:
+    beside: Sequence[tuple[str, Sequence[object] | None]] = (
+        ("labels", labels),
+        ("seeds", seeds),
+        ("definitions", definitions),
+    )
     if labels is None:
-        if seeds is not None:
-            raise ValueError("found seeds for scenarios without labels; give each a label, too")
+        for what, given in beside:
+            if given is not None:
+                raise ValueError(
+                    f"found {what} for scenarios without labels; give each a label, too"
+                )
         return map(document_bytes, documents)
-    for what, given in (("labels", labels), ("seeds", seeds)):
+    for what, given in beside:
         if given is not None and len(given) != len(documents):
             raise ValueError(
                 f"found {len(given)} {what} for {len(documents)} scenarios; each needs one"
             )
-    return map(_encode_item, labels, documents, seeds or [None] * len(documents))
+    nothing = [None] * len(documents)
+    return map(_encode_item, labels, documents, seeds or nothing, definitions or nothing)
 
 
-def _encode_item(label: str, document: Document, seed: int | None) -> bytes:
-    beside = {"label": label} if seed is None else {"label": label, "seed": seed}
+def _encode_item(
+    label: str, document: Document, seed: int | None, definition: FailureDefinition | None
+) -> bytes:
+    beside: dict[str, Any] = {"label": label}
+    if seed is not None:
+        beside["seed"] = seed
+    if definition is not None:
+        beside["failures"] = _posted(definition)
     return b'%b,"scenario":%b}' % (json.dumps(beside).encode()[:-1], document_bytes(document))
+
+
+def _posted(definition: FailureDefinition) -> dict[str, Any]:
+    """Returns a definition as an item of a batch has it."""
+    content: dict[str, Any] = {"counts": definition.counts}
+    if definition.oracles is not None:
+        content["oracles"] = definition.oracles
+    if definition.known:
+        names = ("oracle", "ego", "counterpart", "agents")
+        content["known"] = [
+            {"reason": one.reason or "known"}
+            | {name: getattr(one, name) for name in names if getattr(one, name)}
+            for one in definition.known
+        ]
+    return content
+
+
+def _counted(definition: FailureDefinition | None) -> Query:
+    if definition is None:
+        return {}
+    return {"counts": definition.counts, "count_oracle": definition.oracles or ()}
 
 
 def _overrides(agent: str, agent_parameters: Sequence[str], seed: int | None) -> Query:

@@ -21,8 +21,10 @@ class Accountability(StrEnum):
     """The oracle attributes fault, but not in this case."""
     NOT_JUDGED = "not_judged"
     """The oracle does not attribute fault."""
+    PREVENTABLE = "preventable"
+    """Another actor is responsible, but a careful and competent driver avoids it."""
     NOT_AT_FAULT = "not_at_fault"
-    """Another actor is responsible."""
+    """Another actor is responsible, and a careful driver does not avoid it, or it is not known."""
 
 
 IN_WORDS = {
@@ -31,6 +33,7 @@ IN_WORDS = {
     Accountability.UNAVOIDABLE: "at fault, not avoidable",
     Accountability.UNDETERMINED: "fault undetermined",
     Accountability.NOT_JUDGED: "",
+    Accountability.PREVENTABLE: "not at fault, but avoidable",
     Accountability.NOT_AT_FAULT: "not at fault",
 }
 """Names of the degrees in texts; "" where the oracle does not attribute fault."""
@@ -43,8 +46,8 @@ AT_FAULT = frozenset(
 ACCOUNTABLE = frozenset(
     {Accountability.AVOIDABLE, Accountability.NOT_MEASURABLE, Accountability.NOT_JUDGED}
 )
-"""Degrees that gates and comparisons count: not faults of others, unavoidable violations and
-undetermined faults."""
+"""Degrees that count by default: not faults of others, unavoidable violations and undetermined
+faults."""
 
 _RANK = {member: rank for rank, member in enumerate(Accountability)}
 _AT_FAULT = {
@@ -70,7 +73,9 @@ def accountable(
     if at_fault:
         return _AT_FAULT[avoidable]
     if at_fault is False:
-        return Accountability.NOT_AT_FAULT
+        # UNECE R157 asks what a careful and competent driver would have prevented, whoever began.
+        is_preventable = avoidable is Answer.YES
+        return Accountability.PREVENTABLE if is_preventable else Accountability.NOT_AT_FAULT
     return Accountability.UNDETERMINED if undetermined else Accountability.NOT_JUDGED
 
 

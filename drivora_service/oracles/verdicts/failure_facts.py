@@ -23,8 +23,8 @@ _WAYS = ("rule", "front_crossed_on", "reason")
 """Evidence that tells the manoeuvre by one of a few words; the first that an oracle has. The
 ``reason`` of a collision, beside a ``rule``, is a clause of words."""
 
-_JUDGED_ENDS = frozenset({"collision", "stuck", "route_deviation"})
-"""Ends of an ego's part that an oracle of their own judges."""
+_JUDGED_ENDS = {"collision": "collision", "stuck": "blocked", "route_deviation": "route_deviation"}
+"""The oracles that judge ends of an ego's part, for verdicts from before ``follows``."""
 
 
 def relation(evidence: Mapping[str, Any]) -> str:
@@ -54,13 +54,15 @@ def manoeuvre(evidence: Mapping[str, Any]) -> str:
     return ""
 
 
-def is_consequence(verdict: Verdict) -> bool:
-    """Returns whether a violation only follows from what another oracle judges.
+def followed_oracle(verdict: Verdict) -> str:
+    """Returns the oracle from whose violation this one only follows; "" if from none.
 
-    It is a destination that the ego missed because a collision, standing or leaving the route ended
-    its part: whether that is a failure of the ego is the other oracle's verdict.
+    Verdicts of versions that did not record it follow where a destination was missed because a
+    collision, standing or leaving the route ended the ego's part.
     """
-    return verdict.oracle == "destination" and verdict.evidence.get("reason") in _JUDGED_ENDS
+    if verdict.follows or verdict.oracle != "destination":
+        return verdict.follows
+    return _JUDGED_ENDS.get(str(verdict.evidence.get("reason")), "")
 
 
 def failure_group(verdict: Verdict) -> str:
@@ -138,15 +140,18 @@ _ACCOUNTS = {
     Accountability.UNAVOIDABLE: "the fault of the ego, not avoidable once the danger showed",
     Accountability.UNDETERMINED: "fault undetermined",
     Accountability.NOT_JUDGED: "",
+    Accountability.PREVENTABLE: "not the fault of the ego, but avoidable",
     Accountability.NOT_AT_FAULT: "not the fault of the ego",
 }
 """Clauses of a sentence, by what an ego is accountable for."""
 
 
 def _account(verdict: Verdict) -> str:
-    until = avoidable_until(verdict)
+    until, degree = avoidable_until(verdict), accountability(verdict)
+    if until is not None and degree is Accountability.PREVENTABLE:
+        return f"{_ACCOUNTS[degree]} until {until:.2f} s"
     told = (
-        _ACCOUNTS[accountability(verdict)],
+        _ACCOUNTS[degree],
         "" if until is None else f"avoidable until {until:.2f} s",
     )
     return ", ".join(part for part in told if part)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from drivora_service.oracles.verdict import Outcome, Severity, Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability, accountability
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.shapes import Shape
 
 DEFAULT_RADIUS_M = 10.0
@@ -70,22 +71,33 @@ def identity_of(verdict: Verdict, *, radius_m: float = DEFAULT_RADIUS_M) -> Fail
     )
 
 
-def gravest(verdicts: Iterable[Verdict], *, oracle: str = "") -> Verdict | None:
-    """Returns the gravest violation of a run; ``None`` without any.
+def gravest(
+    verdicts: Iterable[Verdict],
+    definition: FailureDefinition,
+    agents: Mapping[str, str] | None = None,
+    *,
+    oracle: str = "",
+) -> Verdict | None:
+    """Returns the gravest failure of a run; ``None`` without any.
 
     Violations that an ego is at fault for come before others, then the more severe, collisions,
-    those with stronger accountability, and the earlier ones. Observations count only if their
-    oracle is named.
+    those with stronger accountability, and the earlier ones.
 
     Args:
         verdicts: Verdicts of the run.
-        oracle: Only violations of this oracle; "": of any.
+        definition: What counts as a failure of the run.
+        agents: The ADS of each ego.
+        oracle: The gravest violation of this oracle, whether it counts or not; "": of any that
+            counts.
     """
     found = [
         verdict
         for verdict in verdicts
-        if verdict.outcome is Outcome.VIOLATED
-        and (verdict.oracle == oracle if oracle else verdict.severity is not Severity.OBSERVATION)
+        if (
+            verdict.outcome is Outcome.VIOLATED and verdict.oracle == oracle
+            if oracle
+            else definition.is_failure(verdict, agents)
+        )
     ]
     return min(found, key=_gravity, default=None)
 

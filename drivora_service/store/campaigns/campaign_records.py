@@ -116,8 +116,11 @@ class CampaignCounts(Shape):
         at_fault: Candidates with a failure for which an ego is known to be responsible.
         avoidable: Candidates with a failure that a careful and competent driver avoids; null if
             the campaign was judged before this was recorded.
-        unavoidable: Candidates at fault with no failure that this driver avoids.
-        undetermined: Candidates with failures of undetermined fault only.
+        unavoidable: Candidates at fault in violations that this driver avoids none of, whether the
+            campaign counts them or not.
+        undetermined: Candidates with violations of undetermined fault only, likewise.
+        preventable: Candidates with violations at the fault of others only, one that this driver
+            avoids, likewise; null if the campaign was judged before this was recorded.
     """
 
     evaluations: int = 0
@@ -129,6 +132,7 @@ class CampaignCounts(Shape):
     avoidable: int | None = 0
     unavoidable: int | None = 0
     undetermined: int | None = 0
+    preventable: int | None = 0
 
     @property
     def simulations(self) -> int:
@@ -279,6 +283,8 @@ class EvaluationRecord:
         prepare_s: Processor seconds of repairing, decoding and checking, in the worker.
         asked_sha256: Hash of the proposed values before their repair; "" if it was not recorded.
         seed_number: Place of its seed scenario in the campaign, from 0.
+        strongest: The strongest accountability of an ego over the violations that the campaign
+            looks at, failures or not; ``None``: over its failures.
     """
 
     number: int
@@ -292,6 +298,7 @@ class EvaluationRecord:
     prepare_s: float = 0.0
     asked_sha256: str = ""
     seed_number: int = 0
+    strongest: Accountability | None = None
 
     @property
     def at_fault(self) -> bool:
@@ -301,7 +308,7 @@ class EvaluationRecord:
     @property
     def accountability(self) -> Accountability | None:
         """The strongest accountability of an ego for a violation; ``None`` without a violation."""
-        return strongest(self.violations)
+        return self.strongest or strongest(self.violations)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -316,8 +323,8 @@ class EvaluationSummary(Shape):
         scenario_sha256: Empty if it is no valid scenario.
         violations: Number of failures.
         at_fault_violations: Those for which an ego is responsible.
-        accountability: The strongest of its failures; null without one, or if it was judged before
-            this was recorded.
+        accountability: The strongest of its violations, failures or not; null without one, or if
+            it was judged before this was recorded.
         failure_kinds: Kind of each failure.
         objectives: Objectives of the tester's feedback, to be minimised; null: not measurable.
         cause: Why it has no result, as in `error`; empty if it has one.

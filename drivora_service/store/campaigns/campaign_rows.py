@@ -27,7 +27,7 @@ class CandidateRow:
 
     Attributes:
         document: Canonical JSON of its scenario; "" if it is invalid.
-        accountability: The strongest of its failures, or ``None``.
+        accountability: The strongest of its violations, or ``None``.
     """
 
     number: int

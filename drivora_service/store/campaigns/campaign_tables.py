@@ -56,6 +56,7 @@ class CampaignRow(Base):
     avoidable: Mapped[int | None] = mapped_column(default=0)
     unavoidable: Mapped[int | None] = mapped_column(default=0)
     undetermined: Mapped[int | None] = mapped_column(default=0)
+    preventable: Mapped[int | None] = mapped_column(default=0)
     best: Mapped[str] = mapped_column(Text, default="{}", server_default="{}")
     study_id: Mapped[str] = mapped_column(String(40), default="", server_default=text("''"))
     study_scenario: Mapped[str] = mapped_column(String(100), default="", server_default=text("''"))

@@ -11,6 +11,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import UnknownName
+from drivora_service.oracles.verdicts.accountability import Accountability
 from drivora_service.oracles.verdicts.verdict_json import verdict_from_json
 from drivora_service.runs.report_encoding import report_from_json
 from drivora_service.search.tester import EvaluationStatus, Proposal
@@ -225,6 +226,7 @@ def _evaluation(row: EvaluationRow, failures: Sequence[FailureRow]) -> Evaluatio
         prepare_s=row.prepare_s,
         asked_sha256=row.asked_sha256 or "",
         seed_number=row.seed_number,
+        strongest=None if row.accountability is None else Accountability(row.accountability),
     )
 
 

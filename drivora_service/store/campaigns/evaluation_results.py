@@ -11,6 +11,7 @@ from sqlalchemy import ColumnElement, String, cast, exists, literal, select, tup
 from sqlalchemy.orm import Session
 
 from drivora_service.oracles.verdict import Outcome
+from drivora_service.oracles.verdicts.failure_definition import definition_of_document
 from drivora_service.runs.run_report import RunReport
 from drivora_service.shapes import adapter, field_names
 from drivora_service.store.campaigns.campaign_tables import CampaignRow, EvaluationRow
@@ -75,7 +76,7 @@ def evaluation_results(
         values = {
             # What only stored runs have is null.
             **dict.fromkeys(field_names(RunSummary)),
-            **_make_run_columns(short, row.told_at),
+            **_make_run_columns(short, campaign, row.told_at),
             **campaign_columns(campaign, row.number),
             "run_id": f"{campaign.id}-{row.number}",
             "source": "evaluation",
@@ -136,9 +137,12 @@ def _without_details(report: Mapping[str, Any]) -> RunReport:
     return short
 
 
-def _make_run_columns(report: RunReport, told_at: datetime) -> dict[str, Any]:
+def _make_run_columns(
+    report: RunReport, campaign: CampaignRow, told_at: datetime
+) -> dict[str, Any]:
     """Returns the columns of a run that its report determines."""
-    values = end_values(report, keeps_trace=False, ended=told_at)
+    definition = definition_of_document(campaign.document)
+    values = end_values(report, definition, keeps_trace=False, ended=told_at)
     del values["trace_sha256"]
     return {
         **values,
@@ -158,6 +162,7 @@ def _passes(values: Mapping[str, Any], report: RunReport, wanted: JobFilter) -> 
         "accountability",
         "configuration",
         "configuration_id",
+        "failures",
     )
     facet, _ = make_facet_with_key(**{name: values[name] for name in names})
     if not facet_passes(facet, wanted):

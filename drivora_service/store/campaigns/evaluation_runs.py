@@ -12,6 +12,10 @@ from dataclasses import dataclass
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from drivora_service.oracles.verdicts.failure_definition import (
+    definition_of_document,
+    state_definition,
+)
 from drivora_service.runs.report_encoding import report_from_json
 from drivora_service.shapes import combine
 from drivora_service.store.campaigns.campaign_records import Confirmation
@@ -20,6 +24,7 @@ from drivora_service.store.campaigns.campaign_tables import EvaluationRow, Failu
 from drivora_service.store.campaigns.evaluation_repository import evaluation_row
 from drivora_service.store.campaigns.evaluation_writing import town_of_seed
 from drivora_service.store.queue.endings import end_values
+from drivora_service.store.runs.notable_verdicts import find_failing_verdicts
 from drivora_service.store.runs.run_records import RunRecord
 
 _RUN_ID = re.compile(r"(?P<campaign>[0-9a-f]{24})-(?P<number>\d{1,9})(-again)?")
@@ -62,8 +67,9 @@ def run_of_evaluation(session: Session, wanted: EvaluationId) -> RunRecord:
     campaign = campaign_row(session, wanted.campaign_id)
     row = evaluation_row(session, campaign, wanted.number)
     report = report_from_json(row.report)
+    definition = definition_of_document(campaign.document)
     values = end_values(
-        report, keeps_trace=_is_recorded(session, campaign.seq, row), ended=row.told_at
+        report, definition, keeps_trace=_is_recorded(session, campaign.seq, row), ended=row.told_at
     )
     return combine(
         RunRecord,
@@ -89,6 +95,8 @@ def run_of_evaluation(session: Session, wanted: EvaluationId) -> RunRecord:
         error=report.failure,
         step_cost_us=report.step_cost_us if report.steps else None,
         simulation_sha256=report.trace_sha256,
+        definition=state_definition((definition,)),
+        failing_verdicts=find_failing_verdicts(report, definition),
     )
 
 

@@ -174,6 +174,8 @@ def _count(campaign: CampaignRow, records: Sequence[EvaluationRecord]) -> None:
         campaign.unavoidable += degrees[Accountability.UNAVOIDABLE]
     if campaign.undetermined is not None:
         campaign.undetermined += degrees[Accountability.UNDETERMINED]
+    if campaign.preventable is not None:
+        campaign.preventable += degrees[Accountability.PREVENTABLE]
     best: dict[str, list[float]] = json.loads(campaign.best)
     for record in records:
         measurement = record.report.measurement

@@ -36,6 +36,7 @@ _COUNTED = (
     "avoidable",
     "unavoidable",
     "undetermined",
+    "preventable",
 )
 
 

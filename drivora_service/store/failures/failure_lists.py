@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 
 from drivora_service.errors import UnknownName
 from drivora_service.store.engine.paging import make_token, read_token
+from drivora_service.store.failures.failure_counts import FoundCounts, count_found
 from drivora_service.store.failures.failure_queries import conditions_of, failures_of
 from drivora_service.store.failures.failure_records import FoundFailure, FoundFilter
 from drivora_service.store.failures.failure_tables import FoundRow
@@ -58,3 +59,7 @@ class FoundRepository:
         if failure_id not in found:
             raise UnknownName("failure", str(failure_id), ())
         return found[failure_id]
+
+    def counts(self, wanted: FoundFilter) -> FoundCounts:
+        """Returns the numbers of the failures that pass a filter, and what they count."""
+        return count_found(self._session, wanted)

@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.failure_definition import COUNTED, Counted
 from drivora_service.oracles.verdicts.failure_facts import avoidable_until, failure_sentence
 from drivora_service.oracles.verdicts.verdict_json import verdict_from_json
 from drivora_service.shapes import combine, read_all
@@ -42,6 +43,15 @@ def conditions_of(session: Session, wanted: FoundFilter) -> list[ColumnElement[b
     ]
     if wanted.at_fault is not None:
         conditions.append(FoundRow.at_fault.is_(wanted.at_fault))
+    if wanted.counts is None:
+        # Who asks for a degree, or for fault, chooses by that.
+        if wanted.accountability is None and wanted.at_fault is None:
+            conditions.append(FoundRow.is_counted.is_(True))
+    elif wanted.counts is not Counted.ANY:
+        # What was found before degrees were recorded counts by its definition.
+        unknown = FoundRow.accountability.is_(None) & FoundRow.is_counted
+        degrees = FoundRow.accountability.in_(sorted(COUNTED[wanted.counts]))
+        conditions.append(degrees | unknown)
     if wanted.since is not None:
         conditions.append(FoundRow.found_at >= wanted.since)
     if wanted.until is not None:

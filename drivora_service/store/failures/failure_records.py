@@ -7,6 +7,7 @@ from datetime import datetime
 
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.failure_definition import Counted
 from drivora_service.shapes import Shape
 from drivora_service.store.campaigns.campaign_records import Confirmation
 
@@ -27,6 +28,8 @@ class FoundFilter:
         study_id: Study whose campaign found it.
         batch_id: Batch of the run, outside campaigns.
         confirmation: Whether an identical run repeated it; runs outside campaigns have none.
+        counts: What counts in place of the definition of each run; ``None``: that definition,
+            unless the filter asks for a degree of accountability or for fault.
         since: Found at this time or later.
         until: Found before this time.
     """
@@ -42,6 +45,7 @@ class FoundFilter:
     study_id: str = ""
     batch_id: str = ""
     confirmation: Confirmation | None = None
+    counts: Counted | None = None
     since: datetime | None = None
     until: datetime | None = None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import ForeignKey, Index, String, text
+from sqlalchemy import ForeignKey, Index, String, text, true
 from sqlalchemy.orm import Mapped, mapped_column
 
 from drivora_service.store.engine.base_tables import Base
@@ -38,6 +38,7 @@ class FoundRow(Base):
             "batch_seq",
             "found_at",
             "configuration_id",
+            "is_counted",
         ),
     )
 
@@ -60,4 +61,6 @@ class FoundRow(Base):
     town: Mapped[str] = mapped_column(String(100))
     at_fault: Mapped[bool | None]
     accountability: Mapped[str | None] = mapped_column(String(16))
+    is_counted: Mapped[bool] = mapped_column(default=True, server_default=true())
+    """Whether the definition of its run, or of its campaign, counts it."""
     confirmation: Mapped[str] = mapped_column(String(16), default="", server_default=text("''"))

@@ -64,9 +64,10 @@ def make_found_rows_of_run(
             "configuration_id": configuration_id,
             "town": town,
             "confirmation": "",
+            "is_counted": one.is_counted,
         }
         for one in notable
-        if one.is_failure
+        if one.is_violation or one.is_counted
     ]
 
 
@@ -109,6 +110,8 @@ def make_found_rows_of_campaign(
             "configuration_id": configuration_id,
             "town": town,
             "confirmation": "open",
+            # A campaign stores what it counts.
+            "is_counted": True,
         }
         for place, verdict in enumerate(violations)
     ]

@@ -16,6 +16,7 @@ from sqlalchemy.orm import Session
 
 from drivora_service.errors import UnknownName
 from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.failure_definition import Counted
 from drivora_service.shapes import combine
 from drivora_service.store.campaigns.campaign_records import Confirmation
 from drivora_service.store.engine.paging import make_token, read_token
@@ -55,6 +56,7 @@ class _Counted:
     parts: int
     failures: int
     avoidable: int
+    preventable: int
     campaigns: int
     towns: int
     first_seen: datetime
@@ -119,12 +121,14 @@ class GroupRepository:
         return Page(items=items, next_page_token=more)
 
     def get(self, wanted: str) -> FailureGroup:
-        """Returns a group with all its failures.
+        """Returns a group with all its failures, whether they count or not.
 
         Raises:
             UnknownName: There is none of this id, or none of its failures is left.
         """
-        page = self.page(GroupFilter(failures=FoundFilter(group=wanted)), limit=1)
+        page = self.page(
+            GroupFilter(failures=FoundFilter(group=wanted, counts=Counted.ANY)), limit=1
+        )
         if not page.items:
             raise UnknownName("group of failures", wanted, ())
         return page.items[0]
@@ -252,11 +256,13 @@ def decision_of(row: FailureGroupRow) -> GroupDecision:
 
 def _count_query() -> Select[*tuple[Any, ...]]:
     is_avoidable = FoundRow.accountability == Accountability.AVOIDABLE
+    is_preventable = FoundRow.accountability == Accountability.PREVENTABLE
     return select(
         FoundRow.group,
         FoundRow.group_seq,
         func.count().label("failures"),
         func.sum(case((is_avoidable, 1), else_=0)).label("avoidable"),
+        func.sum(case((is_preventable, 1), else_=0)).label("preventable"),
         func.count(distinct(FoundRow.campaign_seq)).label("campaigns"),
         func.count(distinct(FoundRow.town)).label("towns"),
         func.min(FoundRow.found_at).label("first_seen"),
@@ -291,6 +297,7 @@ def _together(one: _Counted, other: _Counted) -> _Counted:
         parts=one.parts + other.parts,
         failures=one.failures + other.failures,
         avoidable=one.avoidable + other.avoidable,
+        preventable=one.preventable + other.preventable,
         # At least; exact numbers are counted for groups that are shown.
         campaigns=max(one.campaigns, other.campaigns),
         towns=max(one.towns, other.towns),
@@ -303,7 +310,7 @@ def _together(one: _Counted, other: _Counted) -> _Counted:
 
 def _none(counted: _Counted) -> _Counted:
     """Returns the counts of a group that is gone: when it was seen, and nothing else."""
-    return replace(counted, failures=0, avoidable=0, campaigns=0, towns=0)
+    return replace(counted, failures=0, avoidable=0, preventable=0, campaigns=0, towns=0)
 
 
 def _since(

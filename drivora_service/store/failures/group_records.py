@@ -69,7 +69,8 @@ class FailureGroup(GroupDecision):
             manoeuvre. Several if groups were merged.
         failures: Number of failures.
         avoidable: Those that are the fault of an ego and avoidable.
-        others: The others.
+        preventable: Those at the fault of others that a careful driver of the ego avoids.
+        others: All but the avoidable ones.
         campaigns: Number of campaigns that found some.
         towns: Number of road networks.
         first_seen: When the first was found.
@@ -85,6 +86,7 @@ class FailureGroup(GroupDecision):
     names: tuple[str, ...]
     failures: int
     avoidable: int
+    preventable: int
     others: int
     campaigns: int
     towns: int

@@ -9,7 +9,12 @@ from typing import Any
 from sqlalchemy import delete
 from sqlalchemy.orm import Session
 
+from drivora_service.oracles.verdict import Severity
 from drivora_service.oracles.verdicts.accountability import strongest_of
+from drivora_service.oracles.verdicts.failure_definition import (
+    FailureDefinition,
+    definition_from_json,
+)
 from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.lifecycle import RunState
 from drivora_service.runs.report_encoding import report_to_json
@@ -21,7 +26,11 @@ from drivora_service.store.failures.failure_writing import (
 )
 from drivora_service.store.queue.queued_candidates import candidate_to_json
 from drivora_service.store.runs.facets import facet_key, facet_of
-from drivora_service.store.runs.notable_verdicts import NotableVerdict, notable_verdicts
+from drivora_service.store.runs.notable_verdicts import (
+    NotableVerdict,
+    count_failures_of,
+    notable_verdicts,
+)
 from drivora_service.store.runs.run_tables import ReportRow, RunRow, VerdictRow
 
 
@@ -52,7 +61,7 @@ def reset_run(session: Session, row: RunRow) -> None:
     forget_found(session, row.seq)
     row.cause = row.trace_sha256 = ""
     row.started_at = row.ended_at = row.not_before = None
-    row.violations = row.at_fault_violations = row.observations = None
+    row.violations = row.at_fault_violations = row.observations = row.failures = None
     row.accountability = None
     row.steps = row.sim_time_s = row.wall_time_s = None
     row.infrastructure_failures = row.crashes = row.interruptions = 0
@@ -61,8 +70,11 @@ def reset_run(session: Session, row: RunRow) -> None:
 
 def write_report(session: Session, row: RunRow, report: RunReport, *, ended: datetime) -> None:
     """Writes the report of one run that has just ended; ``store.queue.run_batches`` writes many."""
-    notable = notable_verdicts(report)
-    values = end_values(report, keeps_trace=row.keeps_trace, ended=ended, notable=notable)
+    definition = definition_from_json(row.definition)
+    notable = notable_verdicts(report, definition)
+    values = end_values(
+        report, definition, keeps_trace=row.keeps_trace, ended=ended, notable=notable
+    )
     for name, value in values.items():
         setattr(row, name, value)
     facet = facet_key(facet_of(row))
@@ -85,6 +97,7 @@ def write_report(session: Session, row: RunRow, report: RunReport, *, ended: dat
 
 def end_values(
     report: RunReport,
+    definition: FailureDefinition,
     *,
     keeps_trace: bool,
     ended: datetime,
@@ -94,14 +107,15 @@ def end_values(
 
     Args:
         report: The report.
+        definition: What counts as a failure of the run.
         keeps_trace: Whether the run has a trace.
         ended: Time of its end.
         notable: The verdicts that did not pass, if the caller needs them, too.
     """
-    notable = notable_verdicts(report) if notable is None else notable
+    notable = notable_verdicts(report, definition) if notable is None else notable
     finished = report.status is RunStatus.FINISHED
-    violations = [one for one in notable if one.is_failure]
-    broken = sum(1 for one in notable if one.accountability is not None)
+    violations = [one for one in notable if one.is_violation]
+    observations = sum(one.verdict.severity is Severity.OBSERVATION for one in notable)
     return {
         "ended_at": ended,
         "cause": report.failure.cause if report.failure is not None else "",
@@ -110,7 +124,8 @@ def end_values(
         "at_fault_violations": (
             sum(1 for one in violations if one.verdict.at_fault) if finished else None
         ),
-        "observations": broken - len(violations) if finished else None,
+        "observations": observations if finished else None,
+        "failures": count_failures_of(report, definition, notable),
         "accountability": strongest_of(
             one.accountability for one in violations if one.accountability is not None
         ),
@@ -149,5 +164,5 @@ def verdict_values(
             "batch_seq": batch_seq,
             "facet": facet,
         }
-        for _, verdict, accountable, _ in notable
+        for _, verdict, accountable, _, _ in notable
     ]

@@ -39,6 +39,7 @@ class QueuedRun(NamedTuple):
     configuration_id: str
     town: str
     keeps_trace: bool
+    definition: str
     attempts: int
     not_before: datetime | None
     state: RunState
@@ -54,6 +55,7 @@ QUEUED_RUN = (
     RUNS.c.configuration_id,
     RUNS.c.town,
     RUNS.c.keeps_trace,
+    RUNS.c.definition,
     RUNS.c.attempts,
     RUNS.c.not_before,
     RUNS.c.status,
@@ -67,8 +69,8 @@ QUEUED_RUN = (
 
 def read_queued_run(values: Sequence[Any]) -> QueuedRun:
     """Returns a run read from the first columns of a row, which are :data:`QUEUED_RUN`."""
-    # The first eleven are the run's own; the last five are its state in the life cycle.
-    return QueuedRun._make((*values[:11], _state(*values[11:16])))
+    # The first twelve are the run's own; the last five are its state in the life cycle.
+    return QueuedRun._make((*values[:12], _state(*values[12:17])))
 
 
 @lru_cache(maxsize=512)

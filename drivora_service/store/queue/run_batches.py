@@ -12,6 +12,7 @@ from datetime import datetime, timedelta
 from sqlalchemy import Connection
 from sqlalchemy.orm import Session
 
+from drivora_service.oracles.verdicts.failure_definition import definition_from_json
 from drivora_service.runs.candidate import Candidate
 from drivora_service.runs.lifecycle import RunState, Transition
 from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
@@ -160,10 +161,15 @@ class RunBatch:
         self._queued[run.batch_seq] += 1
 
     def _end(self, run: QueuedRun, report: RunReport, values: Row, ended: datetime) -> None:
-        notable = notable_verdicts(report)
-        values |= end_values(report, keeps_trace=run.keeps_trace, ended=ended, notable=notable)
+        definition = definition_from_json(run.definition)
+        notable = notable_verdicts(report, definition)
+        values |= end_values(
+            report, definition, keeps_trace=run.keeps_trace, ended=ended, notable=notable
+        )
         violations, strongest = values["violations"], values["accountability"]
-        values["facet"] = facet = self._count(run, report.status, violations, strongest)
+        values["facet"] = facet = self._count(
+            run, report.status, violations, strongest, values["failures"]
+        )
         self._ended.append(values)
         if not notable:
             return
@@ -185,6 +191,7 @@ class RunBatch:
         status: RunStatus,
         violations: int | None = None,
         accountability: str | None = None,
+        failures: int | None = None,
     ) -> int:
         """Counts the change of a run's facet; returns the number of the new one."""
         configuration = run.configuration, run.configuration_id
@@ -192,7 +199,7 @@ class RunBatch:
             run.agent, run.town, run.state.status, None, None, *configuration
         )
         after, new = make_facet_with_key(
-            run.agent, run.town, status, violations, accountability, *configuration
+            run.agent, run.town, status, violations, accountability, *configuration, failures
         )
         move = run.batch_seq, old, new
         if move not in self._moves:

@@ -67,6 +67,7 @@ def end_run() -> Update:
         "violations",
         "at_fault_violations",
         "observations",
+        "failures",
         "accountability",
         "steps",
         "sim_time_s",

@@ -212,13 +212,21 @@ class BatchRepository:
         keys = [row.seq for row in rows]
         counts: dict[int, Counter[RunStatus]] = defaultdict(Counter)
         violated: Counter[int] = Counter()
-        for seq, status, broken, number in self._session.execute(
-            select(BatchFacetRow.batch_seq, FacetRow.status, FacetRow.violated, BatchFacetRow.runs)
+        failing: Counter[int] = Counter()
+        for seq, status, broken, fails, number in self._session.execute(
+            select(
+                BatchFacetRow.batch_seq,
+                FacetRow.status,
+                FacetRow.violated,
+                FacetRow.failing,
+                BatchFacetRow.runs,
+            )
             .join(FacetRow, FacetRow.key == BatchFacetRow.facet)
             .where(BatchFacetRow.batch_seq.in_(keys), BatchFacetRow.runs > 0)
         ):
             counts[seq][RunStatus(status)] += number
             violated[seq] += number if broken else 0
+            failing[seq] += number if fails else 0
         return [
             combine(
                 Batch,
@@ -227,6 +235,7 @@ class BatchRepository:
                 state=BatchState(row.state),
                 counts=counts[row.seq],
                 violated_runs=violated[row.seq],
+                failing_runs=failing[row.seq],
             )
             for row in rows
         ]

@@ -21,6 +21,7 @@ class FacetRow(Base):
     status: Mapped[str] = mapped_column(String(24))
     violated: Mapped[bool | None] = mapped_column(Boolean)
     accountability: Mapped[str | None] = mapped_column(String(16))
+    failing: Mapped[bool | None] = mapped_column(Boolean)
     runs: Mapped[int] = mapped_column(default=0)
 
 

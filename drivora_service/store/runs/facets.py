@@ -1,9 +1,10 @@
 """Facets: the attributes that lists of runs filter by, as one number a run, with counters.
 
 The facet of a run is its agent, its configuration, its town, its status, whether it violated an
-oracle, and how far an ego is accountable for that. A million runs have a few hundred facets. An
-index on the facet and the order of submission therefore serves every combination of these filters,
-and the counters of the facets are the counts of the batches and of the service.
+oracle, how far an ego is accountable for that, and whether that is a failure. A million runs have a
+few hundred facets. An index on the facet and the order of submission therefore serves every
+combination of these filters, and the counters of the facets are the counts of the batches and of
+the service.
 
 The counters change with the flush that writes the runs, in the same transaction. Only statements
 that change many runs at once, which no flush sees, call :func:`add_counts` themselves.
@@ -35,6 +36,7 @@ _RUN_FIELDS = (
     "accountability",
     "configuration",
     "configuration_id",
+    "failures",
 )
 
 FacetChanges = Counter[tuple[int, "Facet"]]
@@ -50,6 +52,8 @@ class Facet:
         accountability: The strongest of the violations, or ``None``.
         configuration_id: Id of the agent with its parameters; "": not known.
         configuration: The same in words, which the id determines.
+        failing: Whether it has a failure by its own definition; ``None`` if it says nothing about
+            its ADS, or was judged before this was recorded.
     """
 
     agent: str
@@ -59,14 +63,23 @@ class Facet:
     accountability: str | None
     configuration_id: str = ""
     configuration: str = field(default="", compare=False)
+    failing: bool | None = None
 
 
 @lru_cache(maxsize=4096)
 def facet_key(facet: Facet) -> int:
     """Returns the number of a facet: a hash of 63 bits, so that no lookup is needed."""
-    parts = [facet.agent, facet.town, facet.status, facet.violated, facet.accountability]
+    parts: list[object] = [
+        facet.agent,
+        facet.town,
+        facet.status,
+        facet.violated,
+        facet.accountability,
+    ]
     if facet.configuration_id:
         parts.append(facet.configuration_id)
+    if facet.failing is not None:
+        parts.append({"failing": facet.failing})
     digest = hashlib.blake2b(json.dumps(parts).encode(), digest_size=8).digest()
     return int.from_bytes(digest) >> 1
 
@@ -80,9 +93,19 @@ def make_facet_with_key(
     accountability: str | None = None,
     configuration: str = "",
     configuration_id: str = "",
+    failures: int | None = None,
 ) -> tuple[Facet, int]:
     """Returns the facet of a run with these values, and its number."""
-    facet = _facet(agent, town, status, violations, accountability, configuration, configuration_id)
+    facet = _facet(
+        agent,
+        town,
+        status,
+        violations,
+        accountability,
+        configuration,
+        configuration_id,
+        failures,
+    )
     return facet, facet_key(facet)
 
 
@@ -127,6 +150,7 @@ def add_counts(session: Session, changes: Mapping[tuple[int, Facet], int]) -> No
             "accountability": facet.accountability,
             "configuration": facet.configuration,
             "configuration_id": facet.configuration_id,
+            "failing": facet.failing,
             "runs": number,
         }
         for facet, number in sorted(totals.items(), key=lambda item: facet_key(item[0]))
@@ -194,6 +218,7 @@ def facet_of_row(row: FacetRow) -> Facet:
         accountability=row.accountability,
         configuration=row.configuration,
         configuration_id=row.configuration_id,
+        failing=row.failing,
     )
 
 
@@ -205,6 +230,7 @@ def _facet(
     accountability: str | None,
     configuration: str,
     configuration_id: str,
+    failures: int | None,
 ) -> Facet:
     return Facet(
         agent=agent,
@@ -214,4 +240,5 @@ def _facet(
         accountability=accountability,
         configuration=configuration,
         configuration_id=configuration_id,
+        failing=None if failures is None else failures > 0,
     )

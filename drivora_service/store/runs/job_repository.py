@@ -9,6 +9,12 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import UnknownName
+from drivora_service.oracles.verdicts.failure_definition import (
+    DEFAULT_DEFINITION,
+    FailureDefinition,
+    definition_from_json,
+    state_definition,
+)
 from drivora_service.runs.report_encoding import report_from_json
 from drivora_service.runs.run_report import RunReport, RunStatus
 from drivora_service.shapes import combine, field_names, read_all
@@ -20,6 +26,7 @@ from drivora_service.store.queue.cancelling import cancel_runs
 from drivora_service.store.queue.submitting import count_queued_runs, submit_runs
 from drivora_service.store.runs.facet_tables import FacetRow
 from drivora_service.store.runs.job_lists import list_run_numbers
+from drivora_service.store.runs.notable_verdicts import find_failing_verdicts
 from drivora_service.store.runs.run_counts import RunCounts, count_runs
 from drivora_service.store.runs.run_queries import run_query, summaries
 from drivora_service.store.runs.run_records import (
@@ -85,10 +92,12 @@ class JobRepository:
         """
         summary = self.get(job_id)
         campaign_id = self._campaign_of(job_id)
+        definition = self.definition(job_id)
         known = {
             "tries": self.attempts(job_id),
             "campaign_id": campaign_id,
             "evaluation": summary.item if campaign_id else None,
+            "definition": state_definition((definition,)),
         }
         report = self.report(job_id) if summary.status.is_final else None
         if report is None:
@@ -98,6 +107,7 @@ class JobRepository:
             summary,
             report,
             **known,
+            failing_verdicts=find_failing_verdicts(report, definition),
             error=report.failure,
             step_cost_us=report.step_cost_us if report.steps else None,
             simulation_sha256=report.trace_sha256,
@@ -138,6 +148,21 @@ class JobRepository:
         if row is None:
             raise UnknownName("run", job_id, ())
         return row.agent_override, row.seed_override
+
+    def definition(self, job_id: str) -> FailureDefinition:
+        """Returns what counts as a failure of a job's run."""
+        return self.definitions([job_id]).get(job_id, DEFAULT_DEFINITION)
+
+    def definitions(self, job_ids: Sequence[str]) -> dict[str, FailureDefinition]:
+        """Returns what counts as a failure of the runs of jobs; those with the default left out."""
+        found: dict[str, FailureDefinition] = {}
+        for chunk in batched(job_ids, 500):
+            query = select(RunRow.id, RunRow.definition).where(
+                RunRow.id.in_(chunk), RunRow.definition != ""
+            )
+            rows = self._session.execute(query)
+            found.update((job_id, definition_from_json(text)) for job_id, text in rows)
+        return found
 
     def document(self, job_id: str) -> str:
         """Returns the scenario of a job as JSON text.

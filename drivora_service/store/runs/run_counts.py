@@ -52,6 +52,8 @@ class RunCounts(Shape):
         oracle: By oracle with a verdict of `outcome` (and `at_fault`, if it is given).
         violated: With a violation.
         not_violated: Finished without one.
+        failing: With a failure, by their own definitions.
+        not_failing: Judged, and without one.
         at_fault: With a violation at an ego's fault; with `oracle`, of this oracle.
         not_at_fault: With violations, none at an ego's fault; with `oracle`, with a verdict that
             no ego was at fault.
@@ -66,6 +68,8 @@ class RunCounts(Shape):
     oracle: Mapping[str, int]
     violated: int
     not_violated: int
+    failing: int
+    not_failing: int
     at_fault: int
     not_at_fault: int
 
@@ -80,6 +84,8 @@ NO_RUNS = RunCounts(
     oracle={},
     violated=0,
     not_violated=0,
+    failing=0,
+    not_failing=0,
     at_fault=0,
     not_at_fault=0,
 )
@@ -112,6 +118,8 @@ def count_runs(session: Session, wanted: JobFilter) -> RunCounts:
         oracle=_by_oracle(session, facets, wanted, scope),
         violated=_sum(numbers, replace(wanted, violated=True)),
         not_violated=_sum(numbers, replace(wanted, violated=False)),
+        failing=_sum(numbers, replace(wanted, failing=True)),
+        not_failing=_sum(numbers, replace(wanted, failing=False)),
         at_fault=_sum(by_fault[True], replace(wanted, at_fault=True)),
         not_at_fault=_sum(by_fault[False], replace(wanted, at_fault=False)),
     )

@@ -14,6 +14,7 @@ from drivora_service.agents.configuration import AgentConfiguration
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.failure_definition import StatedDefinition, state_definition
 from drivora_service.runs.candidate import CandidateSource
 from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
 from drivora_service.runs.slot_state import SlotState
@@ -62,10 +63,12 @@ class RunOptions:
     Attributes:
         agent_override: Agent name that overrides the document's, or "".
         seed_override: Seed that overrides the document's.
+        definition: What counts as a failure of the run, as JSON; "": the default.
     """
 
     agent_override: str = ""
     seed_override: int | None = None
+    definition: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,9 +123,13 @@ class RunSummary(Shape):
             digits; empty where they were not recorded.
         seed: Seed that overrides the document's.
         attempts: Number of attempts.
-        violations: Violated oracles, observations left out; null unless finished.
+        violations: Violated oracles, without observations and what only follows from another
+            violation; null unless finished.
         at_fault_violations: Those for which an ego is responsible.
-        observations: Violated oracles that count only where a campaign or gate names them.
+        observations: Violated oracles that count only where a definition names them.
+        failures: Violations that are failures by the definition of the run, see `definition` of
+            its details; that the ADS itself failed is one. Null if the run says nothing about its
+            ADS, or was judged before this was recorded.
         accountability: The strongest of its violations; null without one, unless finished, or
             where the run was judged before it was recorded.
         steps: Rows of the trace.
@@ -152,6 +159,7 @@ class RunSummary(Shape):
     violations: int | None
     at_fault_violations: int | None
     observations: int | None
+    failures: int | None
     accountability: Accountability | None
     steps: int | None
     sim_time_s: float | None
@@ -202,6 +210,8 @@ class RunRecord(RunSummary):
         evaluation: Number of the campaign's evaluation; null without a campaign.
         simulation_sha256: Hash of the trace, also where none was recorded or it was removed; empty
             unless the run was simulated to its end.
+        definition: What counts as a failure of the run.
+        failing_verdicts: Places in `verdicts` of its failures.
     """
 
     error: RunFailure | None = None
@@ -217,6 +227,8 @@ class RunRecord(RunSummary):
     campaign_id: str = ""
     evaluation: int | None = None
     simulation_sha256: str = ""
+    definition: StatedDefinition = field(default_factory=lambda: state_definition(()))
+    failing_verdicts: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -227,6 +239,7 @@ class Batch(Shape):
         size: Number of its runs.
         counts: Numbers of runs by status; statuses without runs are left out.
         violated_runs: Finished runs with at least one violated oracle.
+        failing_runs: Runs with a failure, by their own definition.
         revision: Count of all changes at its newest one, those of its runs included.
     """
 
@@ -238,6 +251,7 @@ class Batch(Shape):
     size: int
     counts: Mapping[RunStatus, int] = field(default_factory=dict)
     violated_runs: int = 0
+    failing_runs: int = 0
     revision: int = 0
 
     @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
@@ -263,6 +277,7 @@ class JobFilter:
             in any violation of the run.
         accountability: The strongest of the run's violations.
         violated: Whether any oracle was violated.
+        failing: Whether the run has a failure by its own definition.
         scenario_sha256: Hash of the scenario.
         campaign_id: Campaign of the run, if a service runs or ran it.
         since: Submitted at this time or later.
@@ -279,6 +294,7 @@ class JobFilter:
     at_fault: bool | None = None
     accountability: Accountability | None = None
     violated: bool | None = None
+    failing: bool | None = None
     scenario_sha256: str = ""
     campaign_id: str = ""
     since: datetime | None = None

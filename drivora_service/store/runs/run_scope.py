@@ -85,6 +85,8 @@ def facet_conditions(wanted: JobFilter) -> list[ColumnElement[bool]]:
         conditions.append(FacetRow.town == wanted.town)
     if wanted.violated is not None:
         conditions.append(FacetRow.violated.is_(wanted.violated))
+    if wanted.failing is not None:
+        conditions.append(FacetRow.failing.is_(wanted.failing))
     if wanted.accountability is not None:
         conditions.append(FacetRow.accountability == wanted.accountability)
     if wanted.at_fault is not None and not wanted.oracle:
@@ -105,6 +107,7 @@ def facet_passes(facet: Facet, wanted: JobFilter) -> bool:
         and wanted.configuration_id in ("", facet.configuration_id)
         and wanted.town in ("", facet.town)
         and wanted.violated in (None, facet.violated)
+        and wanted.failing in (None, facet.failing)
         and wanted.accountability in (None, facet.accountability)
     )
 

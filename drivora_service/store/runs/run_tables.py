@@ -107,6 +107,7 @@ class RunRow(Base):
     configuration_id: Mapped[str] = mapped_column(String(8), default="", server_default=text("''"))
     agent_override: Mapped[str] = mapped_column(String(200))
     seed_override: Mapped[int | None]
+    definition: Mapped[str] = mapped_column(Text, default="", server_default=text("''"))
     feedback: Mapped[str | None] = mapped_column(Text)
     keeps_trace: Mapped[bool] = mapped_column(default=True, server_default=true())
     candidate: Mapped[str | None] = mapped_column(Text)
@@ -124,6 +125,7 @@ class RunRow(Base):
     violations: Mapped[int | None]
     at_fault_violations: Mapped[int | None]
     observations: Mapped[int | None]
+    failures: Mapped[int | None]
     accountability: Mapped[str | None] = mapped_column(String(16))
     steps: Mapped[int | None]
     sim_time_s: Mapped[float | None]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.records.store_journal import StoreJournal
 from drivora_service.errors import CampaignError
 from drivora_service.networks.road_network import RoadNetwork
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.runs.run_report import RunReport
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.search.tester import EvaluationStatus
@@ -36,7 +37,7 @@ from drivora_service.studies.comparison.campaign_measures import (
 )
 from drivora_service.studies.comparison.compared_subjects import Compared, make_compared_campaigns
 from drivora_service.studies.coverage.law_coverage import law_verdicts
-from drivora_service.studies.found_counts import others_fault
+from drivora_service.studies.found_counts import uncounted_violations
 
 if TYPE_CHECKING:
     from drivora_service.campaigns.document.searched_space import SearchedSpace
@@ -105,7 +106,7 @@ def compare_stored(
     limits: dict[str, float] = {}
     for scenario, here in by_scenario.items():
         evaluations = [
-            read_confirmed_evaluations(database, c.record.id, c.document.oracles) for c in here
+            read_confirmed_evaluations(database, c.record.id, c.document.definition) for c in here
         ]
         if equal_time:
             limits[scenario] = min(duration_s(one) for one in evaluations)
@@ -126,7 +127,7 @@ def compare_stored(
 
 
 def read_confirmed_evaluations(
-    database: Database, campaign_id: str, oracles: Collection[str]
+    database: Database, campaign_id: str, definition: FailureDefinition
 ) -> tuple[EvaluationRecord, ...]:
     """Returns the evaluations of a campaign, without failures that were not repeated.
 
@@ -136,8 +137,8 @@ def read_confirmed_evaluations(
     Args:
         database: Holds the campaign.
         campaign_id: Id of the campaign.
-        oracles: Oracles that it counts: of their verdicts, the violations at others' fault are kept
-            in the reports.
+        definition: What it counts: the violations that it looks at and does not count are kept in
+            the reports.
     """
     journal = StoreJournal(database, campaign_id)
     flaky = {f.evaluation for f in journal.failures() if f.confirmation is Confirmation.FLAKY}
@@ -149,7 +150,7 @@ def read_confirmed_evaluations(
             status=record.report.status,
             verdicts=(
                 *law_verdicts(record.report.verdicts),
-                *(others_fault(record.report.verdicts, oracles) if stands else ()),
+                *(uncounted_violations(record.report.verdicts, definition) if stands else ()),
             ),
             egos_sha256=record.report.egos_sha256,
             wall_time_s=record.report.wall_time_s,
@@ -161,6 +162,7 @@ def read_confirmed_evaluations(
                 report=report,
                 violations=record.violations if stands else (),
                 failure_kinds=record.failure_kinds if stands else (),
+                strongest=record.strongest if stands else None,
             )
         )
     return tuple(kept)
@@ -221,7 +223,7 @@ def compute_comparison_figures(
         campaign.subject,
         check_genes(counted, searched, campaign.record),
         [one.space for one in searched],
-        oracles=campaign.document.oracles,
+        definition=campaign.document.definition,
         groups=Grouping().count([verdict for one in counted for verdict in one.violations]),
         network_coverage=network_coverage(
             database,

@@ -113,7 +113,7 @@ def _conditions(campaign: Compared) -> dict[str, Any]:
     document = campaign.document
     return {
         "budget": document.budget.simulations,
-        "oracles": sorted(document.oracles),
+        "failures": str(document.definition),
         "agent": campaign.record.agent,
         "agent parameters": _agent_parameters(document),
         **{f"space.{name}": value for name, value in document.space.model_dump().items()},

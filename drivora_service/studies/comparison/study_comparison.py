@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument
 from drivora_service.errors import CampaignError, Conflict, UnknownName
+from drivora_service.oracles.verdicts.failure_definition import DEFAULT_DEFINITION
 from drivora_service.shapes import Shape, combine
 from drivora_service.store.campaigns.campaign_records import CampaignRecord, CampaignState
 from drivora_service.studies.campaign_figures import CampaignFigures, Subject, duration_s
@@ -223,7 +224,9 @@ def _figures(
         limits = _shortest(database, here) if equal_time else {}
         for record in here:
             campaign = _subject(record, document)
-            evaluations = read_confirmed_evaluations(database, record.id, campaign.document.oracles)
+            evaluations = read_confirmed_evaluations(
+                database, record.id, campaign.document.definition
+            )
             agent = _agent(record)
             figures = compute_comparison_figures(
                 database, campaign, evaluations, searched, limits.get(agent)
@@ -236,7 +239,7 @@ def _shortest(database: Database, records: Sequence[CampaignRecord]) -> Mapping[
     shortest: dict[str, float] = {}
     for record in records:
         # Read again later: the evaluations of hundreds of campaigns do not fit in memory at once.
-        took = duration_s(read_confirmed_evaluations(database, record.id, ()))
+        took = duration_s(read_confirmed_evaluations(database, record.id, DEFAULT_DEFINITION))
         shortest[_agent(record)] = min(took, shortest.get(_agent(record), took))
     return shortest
 

@@ -104,7 +104,7 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
     privileged: set[str] = set()
     try:
         searched = searched_spaces_of(record, catalogues)
-        confirmed = read_confirmed_evaluations(database, record.id, document.oracles)
+        confirmed = read_confirmed_evaluations(database, record.id, document.definition)
         evaluations = check_genes(confirmed, searched, record)
         privileged.update(ego for one in evaluations for ego in one.report.privileged)
         figures = _figures(database, record, document, searched, groups, evaluations)
@@ -151,7 +151,7 @@ def _figures(
         subject,
         records,
         [one.space for one in searched],
-        oracles=document.oracles,
+        definition=document.definition,
         groups=len(numbers) if are_grouped else None,
         budget=record.budget,
     )

@@ -61,7 +61,7 @@ def _make_search_rows(report: CampaignReport) -> list[tuple[str, str]]:
         ("road network", f"{record.town} ({record.network_sha256[:8]})"),
         _seeds(document),
         ("space", ", ".join(f"{name} {_plain(value)}" for name, value in space.items())),
-        ("failures are violations of", ", ".join(document.oracles)),
+        ("failures", str(document.definition)),
         ("budget", f"{record.budget} simulations"),
         ("seed of the search", str(document.seed)),
         ("lookahead", str(document.lookahead)),
@@ -119,8 +119,9 @@ def _outcome(report: CampaignReport) -> list[tuple[str, str]]:
         ("simulations with a failure", str(counts.violating)),
         ("of these with an ego at fault", str(counts.at_fault)),
         ("of these avoidable", _count(counts.avoidable)),
-        ("of these not avoidable", _count(counts.unavoidable)),
+        ("simulations at fault, not avoidable", _count(counts.unavoidable)),
         ("simulations with undetermined fault", _count(counts.undetermined)),
+        ("simulations not at fault, but avoidable", _count(counts.preventable)),
         ("work time", f"{report.record.active_s:.1f} s"),
     ]
     return rows if figures is None else rows + _make_figure_rows(figures)
@@ -130,7 +131,7 @@ def _make_figure_rows(figures: CampaignFigures) -> list[tuple[str, str]]:
     covered = figures.network_coverage
     return [
         ("simulations at fault, avoidability not measurable", str(figures.not_measurable)),
-        ("simulations with failures whose oracles tell no fault", str(figures.not_judged)),
+        ("simulations with violations whose oracles tell no fault", str(figures.not_judged)),
         ("simulations with violations at others' fault only", str(figures.not_at_fault)),
         ("first avoidable failure at fault", _first(figures.first_avoidable)),
         ("first failure", _first(figures.first_failure)),

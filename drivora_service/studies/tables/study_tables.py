@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pyarrow as pa
 
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument
 from drivora_service.oracles.verdicts.accountability import accountability
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.oracles.verdicts.verdict_json import verdict_content
 from drivora_service.store.campaigns.campaign_records import (
     CampaignRecord,
@@ -17,7 +18,7 @@ from drivora_service.store.campaigns.campaign_records import (
     Failure,
 )
 from drivora_service.store.database import Database
-from drivora_service.studies.found_counts import others_fault
+from drivora_service.studies.found_counts import uncounted_violations
 from drivora_service.studies.table_names import TableForm, TableName
 from drivora_service.studies.tables.table_forms import Row, Table, table_chunks
 
@@ -176,17 +177,17 @@ def _campaign_row(campaign: CampaignRecord) -> Row:
 
 def _evaluation_pages(database: Database, campaign: CampaignRecord) -> Iterator[Sequence[Row]]:
     place, after = _place(campaign), -1
-    oracles = CampaignDocument.model_validate(campaign.document).oracles
+    definition = CampaignDocument.model_validate(campaign.document).definition
     while True:
         with database.read() as transaction:
             page = transaction.evaluations.page(campaign.id, after=after, limit=_PAGE)
-        yield [{**place, **_evaluation_row(record, oracles)} for record in page]
+        yield [{**place, **_evaluation_row(record, definition)} for record in page]
         if len(page) < _PAGE:
             return
         after = page[-1].number
 
 
-def _evaluation_row(record: EvaluationRecord, oracles: Collection[str]) -> Row:
+def _evaluation_row(record: EvaluationRecord, definition: FailureDefinition) -> Row:
     report, degree = record.report, record.accountability
     measurement = report.measurement
     return {
@@ -199,7 +200,9 @@ def _evaluation_row(record: EvaluationRecord, oracles: Collection[str]) -> Row:
         "violations": len(record.violations),
         "at_fault": record.at_fault,
         "accountability": None if degree is None else str(degree),
-        "not_at_fault": len(others_fault(report.verdicts, oracles)),
+        "not_at_fault": sum(
+            one.at_fault is False for one in uncounted_violations(report.verdicts, definition)
+        ),
         "redrawn": record.proposal.redrawn,
         "sim_time_s": float(report.sim_time_s),
         "wall_time_s": float(report.wall_time_s),

@@ -38,12 +38,7 @@ def update_baseline(
                     f"the baseline is of {what} {before!r}, and the results are of {now!r}; give "
                     "each its own file"
                 )
-    found = find_failures(
-        results,
-        suite.by_name,
-        counted=gate.counts,
-        oracles=None if gate.oracles is None else frozenset(gate.oracles),
-    )
+    found = find_failures(results, suite.by_name, gate=gate.definition)
     metrics = {SCORE, *(one.metric for one in gate.metrics)}
     new = make_baseline(results, found, metrics=metrics)
     known = {} if old is None else old.scenarios

@@ -10,8 +10,8 @@ from pydantic_core import PydanticCustomError
 from drivora_service.campaigns.document.campaign_documents import OracleNames
 from drivora_service.oracles.verdict import Severity
 from drivora_service.oracles.verdicts.accountability import ACCOUNTABLE, Accountability
+from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.scenario.entities import EntityDocument
-from drivora_service.suites.gate.counted_failures import Counted
 from drivora_service.suites.gate.failure_classes import FailureClass
 
 _Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
@@ -82,7 +82,9 @@ class GateDocument(EntityDocument):
     counts: Counted = Field(
         Counted.ACCOUNTABLE,
         description="Violations that are failures in scenarios without `counts`: those that an ego "
-        "is accountable for, also unavoidable ones (at_fault), or also those of others (any).",
+        "is accountable for; also those at the fault of others that a careful driver avoids "
+        "(preventable); also unavoidable ones (at_fault), and those of undetermined fault "
+        "(possibly_at_fault); or those of others, too (any).",
     )
     oracles: OracleNames | None = Field(
         None,
@@ -118,3 +120,9 @@ class GateDocument(EntityDocument):
     unfinished: Literal["fail", "ignore"] = Field(
         "fail", description="Whether the gate fails if a run was not judged."
     )
+
+    @property
+    def definition(self) -> FailureDefinition:
+        """What counts as a failure in scenarios that do not say it themselves."""
+        oracles = None if self.oracles is None else tuple(sorted(self.oracles))
+        return FailureDefinition(counts=self.counts, oracles=oracles)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from drivora_service.oracles.verdict import Severity, Verdict
+from drivora_service.oracles.verdict import Verdict
 from drivora_service.oracles.verdicts.accountability import accountability
-from drivora_service.oracles.verdicts.failure_facts import is_consequence
+from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.suites.gate.baseline import METRIC_DIGITS, BaselineScenario
 from drivora_service.suites.gate.gate_decision import LimitAnswer
 from drivora_service.suites.gate.gate_documents import (
@@ -17,7 +17,7 @@ from drivora_service.suites.gate.gate_documents import (
 )
 from drivora_service.suites.gate.occurrence_statistics import Interval, mean_of_repetitions
 from drivora_service.suites.suite import SuiteScenario
-from drivora_service.suites.suite_failures import is_judged, is_known
+from drivora_service.suites.suite_failures import is_judged
 from drivora_service.suites.suite_results import SuiteResults, SuiteRun
 
 
@@ -49,10 +49,7 @@ def _violations_answer(
     gate: GateDocument,
 ) -> LimitAnswer:
     failing = [
-        any(
-            _is_limited(verdict, limit) and not is_known(scenarios[run.scenario], run, verdict)
-            for verdict in run.violations
-        )
+        any(_is_limited(verdict, limit, scenarios[run.scenario], run) for verdict in run.violations)
         for run in runs
     ]
     what = _describe_limit(limit)
@@ -75,14 +72,15 @@ def _violations_answer(
     )
 
 
-def _is_limited(verdict: Verdict, limit: LimitDocument) -> bool:
-    named = (
-        verdict.severity is not Severity.OBSERVATION and not is_consequence(verdict)
-        if limit.oracles is None
-        else verdict.oracle in limit.oracles
+def _is_limited(
+    verdict: Verdict, limit: LimitDocument, scenario: SuiteScenario, run: SuiteRun
+) -> bool:
+    # A limit names the degrees itself; what its scenario counts does not matter.
+    definition = FailureDefinition(
+        counts=Counted.ANY, oracles=limit.oracles, known=scenario.known_failures
     )
     return (
-        named
+        definition.is_failure(verdict, run.agents)
         and (limit.severity is None or verdict.severity in limit.severity)
         and accountability(verdict) in limit.accountability
     )

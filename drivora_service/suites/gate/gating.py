@@ -80,8 +80,7 @@ def decide(
 def _find_gate_failures(
     results: SuiteResults, scenarios: Mapping[str, SuiteScenario], gate: GateDocument
 ) -> Found:
-    oracles = None if gate.oracles is None else frozenset(gate.oracles)
-    return find_failures(results, scenarios, counted=gate.counts, oracles=oracles)
+    return find_failures(results, scenarios, gate=gate.definition)
 
 
 def to_confirm(decision: Decision, results: SuiteResults, *, times: int) -> tuple[str, ...]:

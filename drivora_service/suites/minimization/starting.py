@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from drivora_service.errors import Conflict
 from drivora_service.oracles.verdict import Outcome
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.oracles.verdicts.failure_identity import gravest, identity_of
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.minimizations.minimization_records import NewMinimization
@@ -18,6 +19,7 @@ def new_minimization(
     text: str,
     *,
     overrides: tuple[str, int | None],
+    definition: FailureDefinition,
     oracle: str,
     radius_m: float,
     budget: int,
@@ -29,7 +31,9 @@ def new_minimization(
         run: A run with a violation.
         text: Canonical JSON of its scenario.
         overrides: Agent and seed that override those of the scenario.
-        oracle: Oracle whose violation is followed; "": the gravest of all is.
+        definition: What counts as a failure of the run.
+        oracle: Oracle whose violation is followed, whether it counts or not; "": that of the
+            gravest failure.
         radius_m: Metres within which a violation is at the same place.
         budget: Simulations that the search may need.
         owner_id: Process of a command that will run it; "": any service.
@@ -41,9 +45,10 @@ def new_minimization(
     from drivora_service.scenario.documents import document_text
     from drivora_service.suites.minimization.proposal_checking import document_of_run
 
-    violation = gravest(run.verdicts, oracle=oracle)
+    agents = {ego: choice.name for ego, choice in run.agents.items()}
+    violation = gravest(run.verdicts, definition, agents, oracle=oracle)
     if violation is None:
-        raise Conflict(_nothing_to_follow(run, oracle))
+        raise Conflict(_nothing_to_follow(run, definition, oracle))
     agent, seed = overrides
     return NewMinimization(
         run_id=run.id,
@@ -54,7 +59,7 @@ def new_minimization(
     )
 
 
-def _nothing_to_follow(run: RunRecord, oracle: str) -> str:
+def _nothing_to_follow(run: RunRecord, definition: FailureDefinition, oracle: str) -> str:
     if run.status is not RunStatus.FINISHED:
         return (
             f"run {run.id} is {run.status} and has no verdicts; a finished run with a violation "
@@ -65,5 +70,8 @@ def _nothing_to_follow(run: RunRecord, oracle: str) -> str:
     if oracle:
         return f"run {run.id} does not violate {oracle}; {found}"
     if violated:
-        return f"run {run.id} has observations only; name one of them as the oracle: {found}"
+        return (
+            f"run {run.id} has no failure, which are {definition}; {found}. Name one of these as "
+            "the oracle to minimise what does not count"
+        )
     return f"run {run.id} has no violation to follow; choose a run that fails"

@@ -8,9 +8,9 @@ from datetime import datetime
 from enum import StrEnum
 
 from drivora_service.oracles.oracle_descriptions import Better
+from drivora_service.oracles.verdicts.failure_definition import StatedDefinition
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.shapes import Shape
-from drivora_service.suites.gate.counted_failures import Counted
 from drivora_service.suites.paired.failure_rules import FailureFound, Unfinished
 from drivora_service.suites.paired.pairing import LeftOutReason
 
@@ -221,9 +221,8 @@ class BatchComparison(Shape):
 
     Attributes:
         sentence: How things stand.
-        counts: The violations that count as failures.
+        definition: The violations that count as failures.
         unfinished: The runs without a judgement that count as failures.
-        oracles: The only oracles that count; empty: all but observations.
         scenarios: Scenarios with a pair, regardless of seeds.
         differences: Agents, parameters and versions in which the batches differ.
         notes: Remarks for the reader.
@@ -237,9 +236,8 @@ class BatchComparison(Shape):
     sentence: str
     a: ComparedBatch
     b: ComparedBatch
-    counts: Counted
+    definition: StatedDefinition
     unfinished: Unfinished
-    oracles: tuple[str, ...]
     scenarios: int
     differences: tuple[SettingDifference, ...]
     notes: tuple[str, ...]

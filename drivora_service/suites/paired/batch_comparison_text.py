@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from drivora_service.markdown_text import escape_markdown, table
+from drivora_service.oracles.verdicts.failure_definition import DefinitionOrigin
 from drivora_service.suites.paired.batch_comparison import (
     SIGNIFICANT,
     BatchComparison,
@@ -68,18 +69,21 @@ def describe_differences(comparison: BatchComparison) -> tuple[str, ...]:
     )
 
 
+_ORIGINS = {
+    DefinitionOrigin.REQUEST: ", as asked here",
+    DefinitionOrigin.POSTED: ", as defined where the runs were posted",
+    DefinitionOrigin.DEFAULT: ", the default",
+}
+
+
 def how_to_read_failures(comparison: BatchComparison) -> str:
     """Explains the table of failures."""
-    counted = {
-        "accountable": "Failures are violations that an ego is accountable for",
-        "at_fault": "Failures are violations that an ego is accountable for or at fault in",
-        "any": "Failures are all violations",
-    }[comparison.counts]
-    which = f"of {', '.join(comparison.oracles)}" if comparison.oracles else "without observations"
     return (
-        f"{counted}, {which}. Numbers are scenarios; B-A is the difference of the shares of "
-        "scenarios with a failure, below 0 if B fails less. p is McNemar's exact test, corrected "
-        "by Holm for all oracles where it is of one of them; B is undecided unless it is below "
+        f"Failures are {comparison.definition.words}"
+        f"{_ORIGINS[comparison.definition.origin]}. Numbers are scenarios; B-A is the difference "
+        "of the shares of scenarios with a failure, below 0 if B fails less. p is McNemar's exact "
+        "test, corrected by Holm for all oracles where it is of one of them; B is undecided unless "
+        "it is below "
         f"{SIGNIFICANT:g}."
     )
 

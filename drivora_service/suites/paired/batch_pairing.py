@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from drivora_service.oracles.verdicts.failure_definition import (
+    DEFAULT_DEFINITION,
+    DefinitionOrigin,
+    StatedDefinition,
+    state_definition,
+)
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.runs.run_records import Batch
 from drivora_service.suites.paired.batch_comparison import (
@@ -82,6 +88,7 @@ def compare_runs(
     check_metrics(metrics, known)
     chosen = tuple(dict.fromkeys(metrics))
     pairing = pair_runs(first.runs, second.runs)
+    rules, definition, remarks = _choose_definition(pairing, rules)
     judged, left_out = _judge_pairs(pairing, rules)
     scenarios = _by_scenario(judged)
     failures, by_oracle = compare_failures(scenarios), compare_oracles(scenarios)
@@ -107,13 +114,13 @@ def compare_runs(
         ),
         a=_side(first, titles[0], agents[0], failing=failures.runs_a),
         b=_side(second, titles[1], agents[1], failing=failures.runs_b),
-        counts=rules.counted,
+        definition=definition,
         unfinished=rules.unfinished,
-        oracles=tuple(sorted(rules.oracles)),
         scenarios=len(scenarios),
         differences=differences,
-        notes=tuple(
-            notes(scenarios, left_out, differences, has_runs=bool(first.runs and second.runs))
+        notes=(
+            *remarks,
+            *notes(scenarios, left_out, differences, has_runs=bool(first.runs and second.runs)),
         ),
         failures=failures,
         by_oracle=by_oracle,
@@ -124,6 +131,26 @@ def compare_runs(
         pairs=_results(scenarios, judged, by_oracle, shown),
         left_out=left_out,
     )
+
+
+def _choose_definition(
+    pairing: Pairing, rules: Rules
+) -> tuple[Rules, StatedDefinition, tuple[str, ...]]:
+    """Returns the rules by which both runs of a pair are judged alike, with a remark on them."""
+    if rules.definition is not None:
+        return rules, state_definition((rules.definition,), DefinitionOrigin.REQUEST), ()
+    if all(pair.a.definition == pair.b.definition for pair in pairing.pairs):
+        return rules, state_definition(pair.a.definition for pair in pairing.pairs), ()
+    a, b = (
+        state_definition(run.definition for run in runs).words
+        for runs in ((pair.a for pair in pairing.pairs), (pair.b for pair in pairing.pairs))
+    )
+    remark = (
+        f"A and B were posted with different definitions of a failure: A counts {a}; B counts {b}. "
+        "The default counts here, unless `counts` says otherwise."
+    )
+    default = replace(rules, definition=DEFAULT_DEFINITION)
+    return default, state_definition((), DefinitionOrigin.DEFAULT), (remark,)
 
 
 def _judge_pairs(pairing: Pairing, rules: Rules) -> tuple[list[JudgedPair], tuple[LeftOut, ...]]:

@@ -6,12 +6,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-from drivora_service.oracles.verdict import Outcome, Severity, Verdict
-from drivora_service.oracles.verdicts.accountability import accountability
-from drivora_service.oracles.verdicts.failure_facts import failure_sentence, is_consequence
+from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
+from drivora_service.oracles.verdicts.failure_facts import failure_sentence
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.shapes import Shape
-from drivora_service.suites.gate.counted_failures import COUNTED, Counted
 from drivora_service.suites.paired.paired_runs import PairedRun
 
 
@@ -77,51 +76,49 @@ class Judged:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rules:
-    """What counts as a failure.
+    """What counts as a failure in a comparison.
 
     Attributes:
-        counted: The violations that count.
-        unfinished: The runs without a judgement that count.
-        oracles: The only oracles that count, observations included; empty: all but observations
-            and destinations that were missed by what another oracle judges, and runs without a
-            judgement.
+        definition: The violations that count in every run; ``None``: what was defined for each run
+            when it was posted.
+        unfinished: The runs without a judgement that count, unless oracles are named.
     """
 
-    counted: Counted = Counted.ACCOUNTABLE
+    definition: FailureDefinition | None = None
     unfinished: Unfinished = Unfinished.AGENT
-    oracles: frozenset[str] = frozenset()
+
+    def definition_of(self, run: PairedRun) -> FailureDefinition:
+        """Returns what counts in a run."""
+        return run.definition if self.definition is None else self.definition
 
     def judge(self, run: PairedRun) -> Judged | None:
         """Returns the failures of a run; ``None`` if it has no result that counts."""
+        definition = self.definition_of(run)
+        agents = {ego: choice.name for ego, choice in run.agents.items()} or {"": run.agent}
         if run.status is not RunStatus.FINISHED:
-            if self.oracles or run.status not in _COUNTED[self.unfinished]:
+            # Who asks for some oracles does not ask for these; a suite names oracles of its runs.
+            asked = self.definition is not None and self.definition.oracles is not None
+            if asked or run.status not in _COUNTED[self.unfinished]:
                 return None
             status = str(run.status)
             found = FailureFound(oracle=status, sentence=_describe_ending(run))
-            return Judged(failures={status: found}, not_measurable=frozenset(), oracles=frozenset())
-        verdicts = [verdict for verdict in run.verdicts if self._looks_at(verdict)]
+            failures = {} if definition.knows(status, "", "", agents) else {status: found}
+            return Judged(failures=failures, not_measurable=frozenset(), oracles=frozenset())
+        named = None if definition.oracles is None else frozenset(definition.oracles)
         failing: dict[str, list[Verdict]] = {}
-        for verdict in verdicts:
-            if self._counts(verdict):
-                failing.setdefault(verdict.oracle, []).append(verdict)
-        unknown = {v.oracle for v in verdicts if v.outcome is Outcome.NOT_MEASURABLE}
+        for verdict in definition.failures(run.verdicts, agents):
+            failing.setdefault(verdict.oracle, []).append(verdict)
+        unknown = {
+            verdict.oracle
+            for verdict in run.verdicts
+            if verdict.outcome is Outcome.NOT_MEASURABLE
+            and (named is None or verdict.oracle in named)
+        }
         return Judged(
             failures={oracle: _make_failure_found(found, run) for oracle, found in failing.items()},
             not_measurable=frozenset(unknown - failing.keys()),
-            oracles=run.oracles & self.oracles if self.oracles else run.oracles,
+            oracles=run.oracles if named is None else run.oracles & named,
         )
-
-    def _looks_at(self, verdict: Verdict) -> bool:
-        return not self.oracles or verdict.oracle in self.oracles
-
-    def _counts(self, verdict: Verdict) -> bool:
-        if verdict.outcome is not Outcome.VIOLATED:
-            return False
-        if not self.oracles and (
-            verdict.severity is Severity.OBSERVATION or is_consequence(verdict)
-        ):
-            return False
-        return accountability(verdict) in COUNTED[self.counted]
 
 
 def _make_failure_found(verdicts: Collection[Verdict], run: PairedRun) -> FailureFound:

@@ -9,6 +9,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from drivora_service.oracles.verdict import Verdict
+from drivora_service.oracles.verdicts.failure_definition import (
+    DEFAULT_DEFINITION,
+    FailureDefinition,
+)
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.scenario.model import AgentChoice
 
@@ -50,6 +54,7 @@ class PairedRun:
         configuration: The agents with the parameters that differ from their defaults.
         configuration_id: Id of the agents with all their parameters; "" if it is not known.
         versions: Versions of the software that took part, by name.
+        definition: What counts as a failure in it, as it was defined when it was posted.
     """
 
     id: str
@@ -67,6 +72,7 @@ class PairedRun:
     configuration: str = ""
     configuration_id: str = ""
     versions: Mapping[str, Any] = field(default_factory=dict)
+    definition: FailureDefinition = DEFAULT_DEFINITION
 
     @property
     def name(self) -> str:

@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from drivora_service.oracles.verdict import Outcome
+from drivora_service.oracles.verdicts.failure_definition import (
+    DEFAULT_DEFINITION,
+    FailureDefinition,
+)
 from drivora_service.runs.run_report import RunReport
 from drivora_service.store.database import Database, Transaction
 from drivora_service.store.runs.run_records import JobFilter, RunSummary
@@ -69,11 +73,14 @@ def read_batch_runs(
                 JobFilter(batch_id=batch.id), limit=_PAGE, page_token=token, newest_first=False
             )
             _read_scenarios(transaction, page.items, scenarios)
-            reports = transaction.jobs.reports([job.id for job in page.items])
+            ids = [job.id for job in page.items]
+            reports = transaction.jobs.reports(ids)
+            definitions = transaction.jobs.definitions(ids)
         for job in page.items:
             scenario = scenarios.get(job.scenario_sha256)
             if scenario is not None:
-                runs.append(_run(job, scenario, reports.get(job.id)))
+                definition = definitions.get(job.id, DEFAULT_DEFINITION)
+                runs.append(_run(job, scenario, reports.get(job.id), definition))
         token = page.next_page_token
         if not token:
             return BatchRuns(batch=batch, runs=tuple(runs))
@@ -87,7 +94,12 @@ def _read_scenarios(
         scenarios[sha256] = read_driven_scenario(document)
 
 
-def _run(job: RunSummary, scenario: DrivenScenario, report: RunReport | None) -> PairedRun:
+def _run(
+    job: RunSummary,
+    scenario: DrivenScenario,
+    report: RunReport | None,
+    definition: FailureDefinition,
+) -> PairedRun:
     verdicts = () if report is None else report.verdicts
     return PairedRun(
         id=job.id,
@@ -106,4 +118,5 @@ def _run(job: RunSummary, scenario: DrivenScenario, report: RunReport | None) ->
         configuration=job.configuration,
         configuration_id=job.configuration_id,
         versions={} if report is None else report.versions,
+        definition=definition,
     )

@@ -11,13 +11,14 @@ import pytest
 import yaml
 
 from drivora_service.campaigns.document import campaign_documents
-from drivora_service.campaigns.document.campaign import DEFAULT_ORACLES, FeedbackMode
+from drivora_service.campaigns.document.campaign import FeedbackMode
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_documents import SpaceDocument, campaign_text
 from drivora_service.campaigns.document.campaign_reading import read_campaign
 from drivora_service.campaigns.search.search_preparation import prepare_search
 from drivora_service.errors import InvalidDocument
 from drivora_service.oracles.catalogue import OracleCatalogue
+from drivora_service.oracles.verdicts.failure_definition import DEFAULT_DEFINITION
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.search.space.presets import PRESETS, SpacePreset
@@ -201,7 +202,7 @@ def test_a_campaign_may_name_an_installed_oracle_that_can_judge(
     here = Catalogues(catalogues.networks)
     here.oracles = OracleCatalogue()
     content["oracles"] = ["collision", "top_speed"]
-    assert read_campaign(content, here).campaign.oracles == ("collision", "top_speed")
+    assert read_campaign(content, here).campaign.definition.oracles == ("collision", "top_speed")
     content["oracles"] = ["top_sped", "unmade"]
     with pytest.raises(InvalidDocument) as caught:
         read_campaign(content, here)
@@ -247,7 +248,7 @@ def test_a_campaign_is_read_back_as_it_was_written(
 def test_little_has_to_be_said(content: dict[str, Any], catalogues: Catalogues) -> None:
     least = {key: content[key] for key in ("name", "tester", "scenario", "budget")}
     campaign = read_campaign(least, catalogues).campaign
-    assert campaign.oracles == DEFAULT_ORACLES
+    assert campaign.definition == DEFAULT_DEFINITION
     assert campaign.space == SpaceOptions()
     assert (campaign.lookahead, campaign.workers, campaign.agent) == (8, None, None)
 

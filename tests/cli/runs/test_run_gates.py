@@ -2,20 +2,41 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
-from drivora_service.cli.runs.run_gates import Gate, Violation, read_gate, violations_of_run
+from drivora_service.cli.runs.run_gates import Gate, read_gate
 from drivora_service.errors import ConfigurationError
-from drivora_service.oracles.verdict import Outcome, Severity, Verdict
+from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.failure_definition import Counted
 
 ORACLES = ("collision", "red_light", "discomfort")
 
 
+_FAULT: dict[Accountability, dict[str, Any]] = {
+    Accountability.AVOIDABLE: {"at_fault": True, "avoidable": Answer.YES},
+    Accountability.NOT_MEASURABLE: {"at_fault": True, "avoidable": Answer.NOT_MEASURABLE},
+    Accountability.UNAVOIDABLE: {"at_fault": True, "avoidable": Answer.NO},
+    Accountability.UNDETERMINED: {"undetermined": True},
+    Accountability.NOT_JUDGED: {},
+    Accountability.PREVENTABLE: {"at_fault": False, "avoidable": Answer.YES},
+    Accountability.NOT_AT_FAULT: {"at_fault": False, "avoidable": Answer.NO},
+}
+
+
 def violation(
     oracle: str, accountability: Accountability = Accountability.AVOIDABLE, *, seen: bool = False
-) -> Violation:
-    return Violation(oracle=oracle, is_observation=seen, accountability=accountability)
+) -> Verdict:
+    return Verdict(
+        oracle=oracle,
+        ego="ego",
+        outcome=Outcome.VIOLATED,
+        message="",
+        severity=Severity.OBSERVATION if seen else Severity.MAJOR,
+        **_FAULT[accountability],
+    )
 
 
 def test_a_run_with_seven_violations_is_one_failing_run() -> None:
@@ -41,6 +62,7 @@ def test_observations_fail_only_a_gate_that_names_them() -> None:
         (Accountability.NOT_JUDGED, True),
         (Accountability.UNAVOIDABLE, False),
         (Accountability.UNDETERMINED, False),
+        (Accountability.PREVENTABLE, False),
         (Accountability.NOT_AT_FAULT, False),
     ],
 )
@@ -50,6 +72,14 @@ def test_only_what_an_ego_is_accountable_for_fails(
     answer = Gate().judge([[violation("collision", accountability)]])
     assert answer.fails == fails
     assert answer.passed_over == (not fails)
+    assert answer.preventable == (accountability is Accountability.PREVENTABLE)
+
+
+def test_what_a_careful_driver_would_have_prevented_can_be_counted() -> None:
+    runs = [[violation("collision", Accountability.PREVENTABLE)]]
+    assert str(Gate().judge(runs)).endswith("1 that do not count (1 not at fault, but avoidable)")
+    gate = read_gate([], ORACLES, counted_by="Drivora", counts=Counted.PREVENTABLE)
+    assert gate.judge(runs).fails
 
 
 def test_an_oracle_may_be_violated_in_as_many_runs_as_are_allowed() -> None:
@@ -66,15 +96,3 @@ def test_an_oracle_may_be_violated_in_as_many_runs_as_are_allowed() -> None:
 def test_a_gate_that_cannot_be_meant_is_refused(text: str, said: str) -> None:
     with pytest.raises(ConfigurationError, match=said):
         read_gate([text], ORACLES, counted_by="Drivora")
-
-
-def test_verdicts_are_read() -> None:
-    verdict = Verdict(
-        oracle="discomfort",
-        ego="ego",
-        outcome=Outcome.VIOLATED,
-        message="rough",
-        severity=Severity.OBSERVATION,
-    )
-    (one,) = violations_of_run([verdict])
-    assert one == violation("discomfort", Accountability.NOT_JUDGED, seen=True)

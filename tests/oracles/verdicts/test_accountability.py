@@ -25,7 +25,10 @@ from drivora_service.oracles.verdicts.accountability import (
         (True, False, Answer.NO, Accountability.UNAVOIDABLE),
         (None, True, Answer.YES, Accountability.UNDETERMINED),
         (None, False, None, Accountability.NOT_JUDGED),
-        (False, False, Answer.YES, Accountability.NOT_AT_FAULT),
+        (False, False, Answer.YES, Accountability.PREVENTABLE),
+        (False, False, Answer.NO, Accountability.NOT_AT_FAULT),
+        (False, False, Answer.NOT_MEASURABLE, Accountability.NOT_AT_FAULT),
+        (False, False, None, Accountability.NOT_AT_FAULT),
     ],
 )
 def test_each_combination_has_its_name(

@@ -61,7 +61,7 @@ def test_a_collision_is_told_by_party_speed_manoeuvre_place_and_time() -> None:
             {"avoidable": Answer.NOT_MEASURABLE},
             "; the fault of the ego; whether it was avoidable is not measurable.",
         ),
-        ({"at_fault": False}, "; not the fault of the ego, avoidable until 2.50 s."),
+        ({"at_fault": False}, "; not the fault of the ego, but avoidable until 2.50 s."),
         ({"at_fault": None, "undetermined": True}, "; fault undetermined, avoidable until 2.50 s."),
         ({"at_fault": None}, "at (4.5 m, 47.0 m) of grid; avoidable until 2.50 s."),
     ],

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.oracles.verdicts.failure_identity import gravest, identity_of
 
 COLLISION = Verdict(
@@ -85,6 +86,9 @@ def test_the_earliest_of_several_is_found() -> None:
     assert identity_of(COLLISION).find_in([later, earlier, replace(earlier, ego="x")]) is earlier
 
 
+ANY = FailureDefinition(counts=Counted.ANY)
+
+
 def test_what_is_gravest() -> None:
     """Fault first, then severity, collisions, avoidability, and time."""
     ranked = [
@@ -100,15 +104,18 @@ def test_what_is_gravest() -> None:
     passed = replace(COLLISION, outcome=Outcome.PASSED)
     observed = replace(COLLISION, oracle="near_miss", severity=Severity.OBSERVATION)
     for begin, expected in enumerate(ranked):
-        assert gravest([passed, observed, *reversed(ranked[begin:])]) is expected
-    assert gravest([passed, observed]) is None
-    assert gravest([*ranked, observed], oracle="near_miss") is observed
-    assert gravest(ranked, oracle="speeding") is ranked[5]
-    assert gravest(ranked, oracle="blocked") is None
+        assert gravest([passed, observed, *reversed(ranked[begin:])], ANY) is expected
+    assert gravest([passed, observed], ANY) is None
+    assert gravest([*ranked, observed], ANY, oracle="near_miss") is observed
+    assert gravest(ranked, ANY, oracle="speeding") is ranked[5]
+    assert gravest(ranked, ANY, oracle="blocked") is None
+    only = FailureDefinition(oracles=("red_light",))
+    assert gravest(ranked, only) is ranked[4]
+    assert gravest(ranked[6:], FailureDefinition()) is None
 
 
 @given(st.permutations([1.0, 2.0, 3.0, 4.0]))
 def test_the_order_of_verdicts_does_not_matter(times: list[float]) -> None:
-    found = gravest([replace(COLLISION, time=time) for time in times])
+    found = gravest([replace(COLLISION, time=time) for time in times], ANY)
     assert found is not None
     assert found.time == 1.0

@@ -36,6 +36,7 @@ def figures(method: str, seed: int, at_fault: int, scenario: str = "s") -> Campa
         unavoidable=at_fault - at_fault // 2,
         undetermined=0,
         not_judged=0,
+        preventable=0,
         not_at_fault=0,
         kinds=min(at_fault, 3),
         avoidable_kinds=min(at_fault // 2, 3),

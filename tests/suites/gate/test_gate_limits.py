@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 
 from drivora_service.oracles.verdict import Answer, Severity
+from drivora_service.oracles.verdicts.failure_definition import KnownFailure
 from drivora_service.suites.gate.baseline import BaselineScenario, make_baseline
 from drivora_service.suites.gate.gate_decision import LimitAnswer
 from drivora_service.suites.gate.gate_documents import GateDocument
 from drivora_service.suites.gate.gate_limits import limit_answers
-from drivora_service.suites.suite import KnownFailure
 from drivora_service.suites.suite_failures import find_failures
 from drivora_service.suites.suite_results import SuiteResults
 from tests.suites.made_results import results_of, scenarios_of, suite_run, verdict

@@ -3,9 +3,9 @@ from __future__ import annotations
 import pytest
 
 from drivora_service.oracles.verdict import Answer, Outcome, Severity
+from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.oracles.verdicts.failure_facts import failure_sentence
 from drivora_service.runs.run_report import RunStatus
-from drivora_service.suites.gate.counted_failures import Counted
 from drivora_service.suites.paired.failure_rules import Rules, Unfinished
 from drivora_service.suites.paired.paired_runs import PairedRun
 from tests.suites.paired.samples import lost, run, verdict
@@ -44,11 +44,11 @@ def failures(one: PairedRun, rules: Rules) -> set[str]:
     ],
 )
 def test_the_violations_that_count(counted: Counted, expected: set[str]) -> None:
-    assert failures(MIXED, Rules(counted=counted)) == expected
+    assert failures(MIXED, Rules(definition=FailureDefinition(counts=counted))) == expected
 
 
 def test_named_oracles_count_alone_and_observations_among_them() -> None:
-    rules = Rules(oracles=frozenset({"discomfort", "collision", "wrong_way"}))
+    rules = Rules(definition=FailureDefinition(oracles=("collision", "discomfort", "wrong_way")))
     judged = rules.judge(MIXED)
     assert judged is not None
     assert set(judged.failures) == {"discomfort"}
@@ -76,7 +76,9 @@ def test_a_destination_missed_by_a_collision_is_no_failure_of_its_own() -> None:
     assert failures(missed, Rules()) == set()
     late = run("late", verdicts=(verdict("destination", at_fault=None, evidence={}),))
     assert failures(late, Rules()) == {"destination"}
-    assert failures(missed, Rules(oracles=frozenset({"destination"}))) == {"destination"}
+    assert failures(missed, Rules(definition=FailureDefinition(oracles=("destination",)))) == {
+        "destination"
+    }
 
 
 @pytest.mark.parametrize("status", [one for one in RunStatus if one is not RunStatus.FINISHED])
@@ -92,5 +94,5 @@ def test_runs_without_a_judgement(status: RunStatus, unfinished: Unfinished) -> 
     if judged is not None:
         (found,) = judged.failures.values()
         assert (found.oracle, "agent hung" in found.sentence) == (status, True)
-    named = Rules(unfinished=unfinished, oracles=frozenset({"collision"}))
+    named = Rules(unfinished=unfinished, definition=FailureDefinition(oracles=("collision",)))
     assert named.judge(lost("x", status)) is None

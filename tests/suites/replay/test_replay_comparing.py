@@ -52,6 +52,7 @@ def run_of(run_id: str = "a", **changes: Any) -> RunRecord:
         "violations": 0,
         "at_fault_violations": 0,
         "observations": 0,
+        "failures": 0,
         "accountability": None,
         "steps": STEPS,
         "sim_time_s": 2.0,

@@ -1,0 +1,99 @@
+"""Numbers of the failures of all campaigns and batches, with what they count."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sqlalchemy import case, func, select
+from sqlalchemy.orm import Session
+
+from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdicts.failure_definition import (
+    DefinitionOrigin,
+    FailureDefinition,
+    StatedDefinition,
+    definition_from_json,
+    definition_of_document,
+    state_definition,
+)
+from drivora_service.shapes import Shape
+from drivora_service.store.campaigns.campaign_tables import CampaignRow, StudyRow
+from drivora_service.store.failures.failure_queries import conditions_of
+from drivora_service.store.failures.failure_records import FoundFilter
+from drivora_service.store.failures.failure_tables import FoundRow
+from drivora_service.store.runs.run_tables import BatchRow, RunRow
+
+_MOST_DEFINITIONS = 100
+"""Different definitions of the runs of a batch that are looked at."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FoundCounts(Shape):
+    """Numbers of failures that pass a filter.
+
+    Attributes:
+        failures: Number of failures.
+        avoidable: Those that are the fault of an ego and avoidable.
+        preventable: Those at the fault of others that a careful driver of the ego avoids.
+        runs: Runs, and evaluations of campaigns, with one of them; null unless the filter names a
+            batch, a campaign or a study.
+        definition: What they count; null if each run and campaign has its own, or the filter
+            chooses by accountability or fault.
+    """
+
+    failures: int
+    avoidable: int
+    preventable: int
+    runs: int | None
+    definition: StatedDefinition | None
+
+
+def count_found(session: Session, wanted: FoundFilter) -> FoundCounts:
+    """Counts the failures that pass a filter."""
+    definition = _definition(session, wanted)
+    conditions = conditions_of(session, wanted)
+    if conditions is None:
+        return FoundCounts(failures=0, avoidable=0, preventable=0, runs=0, definition=definition)
+    degrees = (Accountability.AVOIDABLE, Accountability.PREVENTABLE)
+    of_degrees = [
+        func.coalesce(func.sum(case((FoundRow.accountability == degree, 1), else_=0)), 0)
+        for degree in degrees
+    ]
+    numbers = select(func.count(), *of_degrees).select_from(FoundRow).where(*conditions)
+    failures, avoidable, preventable = session.execute(numbers).one()
+    runs: int | None = None
+    # Over everything, this would read all rows and not their index alone.
+    if wanted.batch_id or wanted.campaign_id or wanted.study_id:
+        of_runs = select(FoundRow.run_seq, FoundRow.campaign_seq, FoundRow.number)
+        different = of_runs.where(*conditions).distinct().subquery()
+        runs = session.scalar(select(func.count()).select_from(different)) or 0
+    return FoundCounts(
+        failures=failures,
+        avoidable=avoidable,
+        preventable=preventable,
+        runs=runs,
+        definition=definition,
+    )
+
+
+def _definition(session: Session, wanted: FoundFilter) -> StatedDefinition | None:
+    if wanted.counts is not None:
+        requested = FailureDefinition(counts=wanted.counts)
+        return state_definition((requested,), DefinitionOrigin.REQUEST)
+    if wanted.accountability is not None or wanted.at_fault is not None:
+        return None
+    if wanted.batch_id:
+        query = (
+            select(RunRow.definition)
+            .join(BatchRow, BatchRow.seq == RunRow.batch_seq)
+            .where(BatchRow.id == wanted.batch_id)
+            .distinct()
+            .order_by(RunRow.definition)
+            .limit(_MOST_DEFINITIONS)
+        )
+        return state_definition(map(definition_from_json, session.scalars(query)))
+    for chosen, table in ((wanted.campaign_id, CampaignRow), (wanted.study_id, StudyRow)):
+        if chosen:
+            documents = session.scalars(select(table.document).where(table.id == chosen))
+            return state_definition(map(definition_of_document, documents))
+    return None
