@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from drivora_service.errors import OracleError
 from drivora_service.oracles.verdict import Oracle, Outcome, Verdict
 from drivora_service.oracles.verdicts.verdict_json import plain_verdict
+from drivora_service.oracles.verdicts.violation_magnitude import DECLARED, declared_magnitude
 
 if TYPE_CHECKING:
     from drivora_service.observations.run_view import RunView
@@ -111,3 +112,8 @@ def _violation_problems(verdict: Verdict, steps: int) -> Iterator[str]:
         yield "a violation without time, step or location"
     elif not 0 <= verdict.step < steps:
         yield f"a violation at step {verdict.step}; the run has steps 0 to {steps - 1}"
+    if DECLARED in verdict.evidence and declared_magnitude(verdict.evidence) is None:
+        yield (
+            f"evidence {DECLARED!r} that is no measure; allowed: a name, a finite value, a margin "
+            "above 0, and perhaps unit and less_is_worse"
+        )

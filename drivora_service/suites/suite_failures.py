@@ -19,6 +19,13 @@ from drivora_service.oracles.verdicts.failure_definition import (
     agents_of,
 )
 from drivora_service.oracles.verdicts.failure_facts import failure_sentence
+from drivora_service.oracles.verdicts.violation_magnitude import (
+    Magnitude,
+    add_run,
+    beyond_bound,
+    join_in_run,
+    magnitudes_of,
+)
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.suites.suite import SuiteScenario
 from drivora_service.suites.suite_results import SuiteResults, SuiteRun
@@ -70,6 +77,8 @@ class Failure:
         time: Simulated seconds of that; ``None`` if it has none.
         run_id: First run in which it occurs.
         seeds: Seeds of the runs in which it occurs.
+        severities: The gravest severity of its violations in each of these runs.
+        magnitudes: How severe it is in each of these runs, by every measure that all of them have.
     """
 
     key: FailureKey
@@ -81,6 +90,8 @@ class Failure:
     time: float | None
     run_id: str
     seeds: tuple[int, ...]
+    severities: tuple[Severity, ...] = ()
+    magnitudes: tuple[Magnitude, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,6 +129,7 @@ class _Event:
     severity: Severity
     sentence: str
     time: float | None
+    magnitudes: tuple[Magnitude, ...] = ()
 
 
 def find_failures(
@@ -202,6 +214,7 @@ def _events(
                 severity=verdict.severity,
                 sentence=failure_sentence(verdict, town=run.town),
                 time=verdict.time,
+                magnitudes=magnitudes_of(verdict),
             )
     for name, bounds in scenario.metrics.items():
         value = run.value_of(name)
@@ -212,6 +225,7 @@ def _events(
                 severity=Severity.MINOR,
                 sentence=f"{name} is {value:g}, and {bounds} is expected.",
                 time=None,
+                magnitudes=(beyond_bound(value, low=bounds.at_least, high=bounds.at_most),),
             )
 
 
@@ -225,6 +239,7 @@ def _first_of_each(events: Iterable[_Event]) -> list[_Event]:
                 before,
                 accountability=_stronger(before.accountability, event.accountability),
                 severity=_graver(before.severity, event.severity),
+                magnitudes=join_in_run(before.magnitudes, event.magnitudes),
             )
     return list(first.values())
 
@@ -242,6 +257,8 @@ def _add_event(before: Failure | None, event: _Event, run: SuiteRun, *, of: int)
             time=event.time,
             run_id=run.run_id,
             seeds=seeds,
+            severities=(event.severity,),
+            magnitudes=event.magnitudes,
         )
     return replace(
         before,
@@ -249,6 +266,8 @@ def _add_event(before: Failure | None, event: _Event, run: SuiteRun, *, of: int)
         accountability=_stronger(before.accountability, event.accountability),
         severity=_graver(before.severity, event.severity),
         seeds=before.seeds + seeds,
+        severities=(*before.severities, event.severity),
+        magnitudes=add_run(before.magnitudes, event.magnitudes),
     )
 
 

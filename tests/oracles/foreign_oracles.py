@@ -88,6 +88,7 @@ MOODS: dict[str, Callable[[RunView, tuple[Verdict, ...]], Any]] = {
     "timeless": _changed(time=float("nan")),
     "late": _changed(step=10**6),
     "negative": _changed(step=-1),
+    "unmeasured": _changed(evidence={"violation_magnitude": {"name": "gap"}}),
     "unsure": _changed(outcome="perhaps"),
     "soon": _changed(time="soon"),
     "object": _changed(evidence={"run": object()}),

@@ -38,6 +38,7 @@ GARBAGE = {
     "timeless": "answered a violation without time, step or location",
     "late": "answered a violation at step 1000000; the run has steps 0 to 49",
     "negative": "answered a violation at step -1; the run has",
+    "unmeasured": "answered evidence 'violation_magnitude' that is no measure; allowed: a name",
     "unsure": "answered a verdict that cannot be stored: .*perhaps",
     "soon": "answered a verdict that cannot be stored: .*soon",
     "object": "answered a verdict that cannot be stored: .*a report cannot hold a object",
