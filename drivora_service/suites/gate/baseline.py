@@ -11,9 +11,12 @@ from typing import Literal
 from pydantic import ValidationError
 
 from drivora_service.errors import ConfigurationError
-from drivora_service.oracles.verdicts.accountability import Accountability
+from drivora_service.oracles.verdict import Severity
+from drivora_service.oracles.verdicts.accountability import IN_WORDS, Accountability
+from drivora_service.oracles.verdicts.violation_magnitude import Magnitude, class_magnitude
 from drivora_service.shapes import Shape, adapter, to_json
-from drivora_service.suites.suite_failures import FailureKey, Found
+from drivora_service.suites.gate.severity_changes import compare_magnitudes
+from drivora_service.suites.suite_failures import Failure, FailureKey, Found
 from drivora_service.suites.suite_results import SuiteResults, SuiteRun
 
 VERSION: Literal["1.0"] = "1.0"
@@ -33,6 +36,9 @@ class BaselineFailure(Shape):
         runs: Runs in which it occurred.
         accountability: The strongest of its violations.
         sentence: Facts of its first violation, for people.
+        severities: The gravest severity of its violations in each run in which it occurred; empty
+            in files of versions that did not record it.
+        magnitudes: How severe it was in each of these runs, by measure; empty likewise.
     """
 
     oracle: str
@@ -41,6 +47,8 @@ class BaselineFailure(Shape):
     runs: int
     accountability: Accountability
     sentence: str = ""
+    severities: tuple[Severity, ...] = ()
+    magnitudes: tuple[Magnitude, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,6 +77,8 @@ class Baseline(Shape):
         suite: Name of the suite.
         agent: ADS that drove; empty: as in the scenarios.
         agent_parameters: Its parameters that were set, as `NAME=VALUE`.
+        configuration: The ADSs with the parameters that differ from their defaults; empty if the
+            scenarios have different ones, and in files of versions that did not record it.
         versions: Versions of the software that took part, by name.
         scenarios: By name.
     """
@@ -77,8 +87,17 @@ class Baseline(Shape):
     suite: str
     agent: str
     agent_parameters: tuple[str, ...] = ()
+    configuration: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
     scenarios: Mapping[str, BaselineScenario]
+
+    @property
+    def subject(self) -> str:
+        """The ADS with its parameters and the versions of the software, in words."""
+        agent = self.agent or "the ADSs of the scenarios"
+        driver = self.configuration or ", ".join((agent, *self.agent_parameters))
+        versions = ", ".join(f"{name} {version}" for name, version in self.versions.items())
+        return f"{driver}; {versions}" if versions else driver
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,6 +140,12 @@ def read_baseline(path: Path) -> Baseline:
                     f"{path} is no baseline: {name}: {failure.oracle} occurs in {failure.runs} of "
                     f"{len(scenario.seeds)} runs"
                 )
+            for magnitude in failure.magnitudes:
+                if len(magnitude.values) != failure.runs:
+                    raise ConfigurationError(
+                        f"{path} is no baseline: {name}: {failure.oracle} occurs in {failure.runs} "
+                        f"runs, and {magnitude.name} has {len(magnitude.values)} values"
+                    )
     return baseline
 
 
@@ -156,6 +181,8 @@ def make_baseline(results: SuiteResults, found: Found, *, metrics: Collection[st
                     runs=failure.runs,
                     accountability=failure.accountability,
                     sentence=failure.sentence,
+                    severities=failure.severities,
+                    magnitudes=failure.magnitudes,
                 )
                 for key, failure in sorted(found.failures.items())
                 if key.scenario == name
@@ -166,6 +193,7 @@ def make_baseline(results: SuiteResults, found: Found, *, metrics: Collection[st
         suite=results.suite,
         agent=results.agent,
         agent_parameters=results.agent_parameters,
+        configuration="" if results.configuration is None else results.configuration.words,
         versions=results.versions,
         scenarios=scenarios,
     )
@@ -212,20 +240,44 @@ def _failure_changes(
 ) -> Iterator[BaselineChange]:
     old, new = accepted_failures({name: before}), accepted_failures({name: after})
     for key in sorted({*old, *new}):
+        was, now = old.get(key), new.get(key)
         words = [
             "passes" if one is None else f"fails in {one.runs} of {len(scenario.seeds)}"
-            for one, scenario in ((old.get(key), before), (new.get(key), after))
+            for one, scenario in ((was, before), (now, after))
         ]
-        was, now = old.get(key), new.get(key)
-        if words[0] != words[1] or (
-            was is not None and now is not None and was.accountability != now.accountability
-        ):
+        if was is not None and now is not None:
+            words[1] += "".join(f"; {change}" for change in _severity_changes(was, now))
+            if was.accountability != now.accountability:
+                for place, one in enumerate((was, now)):
+                    words[place] += f"; {_account(one)}"
+        if words[0] != words[1]:
             yield BaselineChange(
                 scenario=name,
                 what=str(key).removeprefix(f"{name}: "),
                 before=words[0],
                 after=words[1],
             )
+
+
+def measured(failure: Failure | BaselineFailure | None) -> tuple[Magnitude, ...]:
+    """Returns how severe a failure is in its runs, by its class and by the measures of its oracle.
+
+    Empty for a failure that does not occur, and for one of a baseline that does not say.
+    """
+    if failure is None:
+        return ()
+    classes = (class_magnitude(failure.severities),) if failure.severities else ()
+    return (*classes, *failure.magnitudes)
+
+
+def _severity_changes(was: BaselineFailure, now: BaselineFailure) -> Iterator[str]:
+    for change in compare_magnitudes(measured(was), measured(now)):
+        if change.grows or change.shrinks:
+            yield f"{'more' if change.grows else 'less'} severe: {change.words}"
+
+
+def _account(failure: BaselineFailure) -> str:
+    return IN_WORDS[failure.accountability] or "fault is not judged"
 
 
 def _summary(scenario: BaselineScenario) -> str:

@@ -11,7 +11,7 @@ class FailureClass(StrEnum):
     NEW = "new"
     """It did not occur before, and occurs in every run, or in significantly more than before."""
     WORSE = "worse"
-    """It occurred in some runs before, and occurs in significantly more."""
+    """It occurred before, and occurs in significantly more runs, or is clearly more severe."""
     SAME = "same"
     """It occurred in every run before, and does."""
     FLAKY = "flaky"

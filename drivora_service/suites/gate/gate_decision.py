@@ -6,11 +6,15 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from drivora_service.oracles.verdicts.accountability import IN_WORDS
 from drivora_service.suites.gate.baseline import BaselineFailure
 from drivora_service.suites.gate.failure_classes import IN_ORDER, FailureClass
 from drivora_service.suites.gate.occurrence_statistics import Interval, Occurrences
+from drivora_service.suites.gate.severity_changes import SeverityChange, growth_in_words
 from drivora_service.suites.suite_failures import Failure, FailureKey, KnownOccurrence
 from drivora_service.suites.suite_results import SuiteRun
+
+OCCURRENCE_TEST = "one-sided exact test of Fisher, corrected by Holm"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +29,7 @@ class ClassifiedFailure:
         p: That it occurs more often than before, corrected for the number of such tests; ``None``
             if that was not tested.
         fails: Whether the gate fails for it.
+        severity: How severe it was and is, by each measure.
     """
 
     key: FailureKey
@@ -35,6 +40,17 @@ class ClassifiedFailure:
     in_runs_before: Occurrences
     p: float | None
     fails: bool
+    severity: tuple[SeverityChange, ...] = ()
+
+    @property
+    def is_more_severe(self) -> bool:
+        """Whether it is clearly more severe than before."""
+        return any(one.is_worse for one in self.severity)
+
+    @property
+    def may_be_more_severe(self) -> bool:
+        """Whether it is clearly more severe than before in the runs so far, if only by chance."""
+        return any(one.is_worse or one.grows for one in self.severity)
 
     @property
     def sentence(self) -> str:
@@ -50,8 +66,22 @@ class ClassifiedFailure:
         if not self.in_runs_before.of:
             return f"fails in {now}"
         before = _format_occurrences(self.in_runs_before)
-        tested = "" if self.p is None else f" (p {self.p:.2g})"
-        return f"fails in {now}, before in {before}{tested}"
+        tested = "" if self.p is None else f" (p {self.p:.2g}, {OCCURRENCE_TEST})"
+        parts = (f"fails in {now}, before in {before}{tested}", self.growth, self._accountabilities)
+        return "; ".join(part for part in parts if part)
+
+    @property
+    def growth(self) -> str:
+        """By which measures it is more severe than before, in words; "" if it is not."""
+        return growth_in_words(self.severity)
+
+    @property
+    def _accountabilities(self) -> str:
+        """The accountability before and now, if both are judged and differ."""
+        if self.now is None or self.before is None:
+            return ""
+        was, now = IN_WORDS[self.before.accountability], IN_WORDS[self.now.accountability]
+        return f"was {was}, is {now}" if was and now and was != now else ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,12 +119,34 @@ class OverallAnswer:
         before: Failing runs in the scenarios that both have.
         now: The same of these results.
         p: One-sided; ``None`` if no scenario can show a difference.
+        scenarios: The strata of the test: scenarios with judged runs in both.
+        telling: Those in which some runs fail and others do not; only these can show a difference.
     """
 
     before: Occurrences
     now: Occurrences
     p: float | None
     fails: bool
+    scenarios: int
+    telling: int
+
+    @property
+    def test(self) -> str:
+        """The name of the test."""
+        return (
+            "one-sided test of Cochran, Mantel and Haenszel over "
+            f"{plural(self.scenarios, 'scenario')}, {self.telling} with failing and passing runs"
+        )
+
+    @property
+    def tested(self) -> str:
+        """The p with its test, and what it compares; "" without a p."""
+        if self.p is None:
+            return ""
+        return (
+            f"p {self.p:.2g}, {self.test}; it compares scenario by scenario, so that the sums "
+            "alone do not give this p"
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,6 +11,7 @@ from drivora_service.suites.gate.baseline import (
     BaselineFailure,
     BaselineScenario,
     accepted_failures,
+    measured,
 )
 from drivora_service.suites.gate.failure_classes import IN_ORDER, FailureClass
 from drivora_service.suites.gate.gate_decision import (
@@ -26,6 +27,7 @@ from drivora_service.suites.gate.occurrence_statistics import (
     p_of_more,
     p_of_more_overall,
 )
+from drivora_service.suites.gate.severity_changes import SeveritySides, severity_changes
 from drivora_service.suites.suite import SuiteScenario
 from drivora_service.suites.suite_failures import FailureKey, Found, find_failures, is_seedless
 from drivora_service.suites.suite_results import SuiteResults
@@ -86,9 +88,10 @@ def _find_gate_failures(
 def to_confirm(decision: Decision, results: SuiteResults, *, times: int) -> tuple[str, ...]:
     """Returns the scenarios whose change against the baseline further runs should confirm.
 
-    Those are scenarios with failures that are new, fixed, flaky and new, or more frequent in the
-    few runs so far; and once more those with failures that are new, worse or still in every run,
-    if the runs depend on the seed, as chance makes some fail in every run.
+    Those are scenarios with failures that are new, fixed, flaky and new, or more frequent or more
+    severe in the few runs so far; and once more those with failures that are new, worse, still in
+    every run or still more severe, if the runs depend on the seed, as chance makes some fail in
+    every run.
 
     Args:
         decision: On the runs so far.
@@ -106,9 +109,13 @@ def to_confirm(decision: Decision, results: SuiteResults, *, times: int) -> tupl
         is_more = now.runs == now.of and before.runs < before.of
         if made < 1 + times:
             is_steady = one.failure_class in (FailureClass.NEW, FailureClass.FIXED)
-            return is_steady or not before.runs or is_more
+            return is_steady or not before.runs or is_more or one.may_be_more_severe
         return (
-            (is_more or one.failure_class in (FailureClass.NEW, FailureClass.WORSE))
+            (
+                is_more
+                or one.may_be_more_severe
+                or one.failure_class in (FailureClass.NEW, FailureClass.WORSE)
+            )
             and made < 1 + 2 * times
             and not is_seedless(runs[one.key.scenario])
         )
@@ -144,6 +151,16 @@ def _classify_failures(
     p_values = holm([p_of_more(rows[i].in_runs_before, rows[i].in_runs) for i in tested])
     for place, p in zip(tested, p_values, strict=True):
         rows[place] = replace(rows[place], p=p)
+    sides = [
+        SeveritySides(
+            before=measured(one.before),
+            now=measured(one.now),
+            in_every_run=one.in_runs.runs == one.in_runs.of,
+        )
+        for one in rows
+    ]
+    changes = severity_changes(sides, alpha=gate.alpha)
+    rows = [replace(one, severity=found) for one, found in zip(rows, changes, strict=True)]
     classes = [failure_class(one, alpha=gate.alpha) for one in rows]
     done = [
         replace(one, failure_class=which, fails=which in gate.fail_on)
@@ -199,6 +216,8 @@ def failure_class(one: ClassifiedFailure, *, alpha: float) -> FailureClass:
         return (
             FailureClass.FIXED if always or p_of_more(now, before) < alpha else FailureClass.FLAKY
         )
+    if one.is_more_severe:
+        return FailureClass.WORSE
     if before.runs == before.of:
         return FailureClass.SAME if now.runs == now.of else FailureClass.FLAKY
     return FailureClass.WORSE if more else FailureClass.FLAKY
@@ -232,6 +251,8 @@ def _overall(
         now=_sum([pair[1] for pair in pairs]),
         p=p,
         fails=p is not None and p < gate.overall,
+        scenarios=len(pairs),
+        telling=sum(0 < one.runs < one.of for one in map(_sum, pairs)),
     )
 
 
@@ -242,7 +263,7 @@ def _sum(every: Sequence[Occurrences]) -> Occurrences:
 def _reasons(decision: Decision) -> Iterator[str]:
     failing = [one for one in decision.failures if one.fails]
     for which in IN_ORDER:
-        named = [str(one.key) for one in failing if one.failure_class is which]
+        named = [_name(one) for one in failing if one.failure_class is which]
         if named:
             noun = f"{which} failure" if decision.has_baseline else "failure"
             yield f"{plural(len(named), noun)}: {_few(named)}"
@@ -254,7 +275,7 @@ def _reasons(decision: Decision) -> Iterator[str]:
         yield (
             f"failures of all scenarios together are more frequent: {overall.now.runs} of "
             f"{overall.now.of} runs, before {overall.before.runs} of {overall.before.of} "
-            f"(p {overall.p:.2g})"
+            f"({overall.tested})"
         )
     if decision.unfinished and not decision.ignores_unfinished:
         named = [f"{run.scenario} ({run.status}: {run.cause})" for run in decision.unfinished]
@@ -262,6 +283,12 @@ def _reasons(decision: Decision) -> Iterator[str]:
         yield f"{plural(len(named), 'run')} {verb} not judged: {_few(named)}"
     if not decision.judged_runs:
         yield "no run was judged"
+
+
+def _name(one: ClassifiedFailure) -> str:
+    """Returns the failure in words; one that is worse by its severity, with how much."""
+    worse = ", ".join(change.words for change in one.severity if change.is_worse)
+    return f"{one.key} (more severe: {worse})" if worse else str(one.key)
 
 
 def _few(names: Sequence[str]) -> str:
