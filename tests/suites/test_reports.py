@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 import pytest
 from junitparser import JUnitXml, TestCase
 
+from drivora_service.cli.suites.suite_reports import report_content
 from drivora_service.oracles.verdicts.failure_definition import KnownFailure
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.suites.suite_records import ScenarioState
@@ -23,11 +24,19 @@ from drivora_service.suites.reports.junit import junit_xml
 from drivora_service.suites.reports.markdown_summary import summary_markdown
 from drivora_service.suites.reports.report_html import report_html
 from drivora_service.suites.reports.runs_csv import runs_csv
+from drivora_service.suites.reports.suite_recording import decision_of, outcomes_of
 from drivora_service.suites.reports.suite_report import SuiteReport, make_report
 from drivora_service.suites.suite import SuiteScenario
 from drivora_service.suites.suite_failures import find_failures
 from drivora_service.suites.suite_results import SuiteRun
-from tests.suites.made_results import DOCUMENT, counted, results_of, scenarios_of, suite_run
+from tests.suites.made_results import (
+    DOCUMENT,
+    counted,
+    results_of,
+    scenarios_of,
+    suite_run,
+    verdict,
+)
 
 NASTY = '<script>alert(1)</script> & "x" | `y` \x00\x1b'
 
@@ -64,6 +73,7 @@ def report(**changes: Any) -> SuiteReport:
     values: dict[str, Any] = {
         "created_at": datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC),
         "baseline": "baseline.json",
+        "baseline_subject": "idm · reaction_time 1.0; drivora 1.2",
     }
     return make_report(results, scenarios, decision, **(values | changes))
 
@@ -103,7 +113,130 @@ def test_junit_has_failures_and_errors_where_the_gate_fails() -> None:
     assert cases["lost"].result[0].message.startswith("timed_out: <script>alert(1)</script>")
     found = ElementTree.fromstring(xml).iter("property")
     properties = {one.get("name"): one.get("value") for one in found}
-    assert properties == {"agent": "idm", "baseline": "baseline.json"}
+    assert properties == {
+        "agent": "idm",
+        "baseline": "baseline.json",
+        "baseline_of": "idm · reaction_time 1.0; drivora 1.2",
+    }
+
+
+BASELINE = "baseline.json (of idm · reaction_time 1.0; drivora 1.2)"
+FISHER = "one-sided exact test of Fisher, corrected by Holm"
+MANTEL = "one-sided test of Cochran, Mantel and Haenszel over 6 scenarios, 3 with failing and"
+
+
+def test_junit_says_who_accepted_what_it_skips() -> None:
+    (suite,) = JUnitXml.fromstring(junit_xml(report()))
+    skipped = {
+        case.name: case.result[0].message
+        for case in suite
+        if type(case.result[0] if case.result else None).__name__ == "Skipped"
+    }
+    assert skipped["same"].startswith(f"accepted in the baseline {BASELINE}: Violated collision")
+    assert skipped["flaky"].startswith(f"flaky, against the baseline {BASELINE}: Violated")
+    assert skipped["flaky"].endswith(
+        f"It fails in 1 of 2 runs, before in 1 of 2 runs (p 0.83, {FISHER})."
+    )
+    assert skipped["known"].startswith(
+        "known failure, accepted by the author of the suite: <script>alert(1)</script>"
+    )
+
+
+def test_a_failure_that_the_gate_ignores_is_no_accepted_one() -> None:
+    results = results_of(counted("a", 1, 1))
+    scenarios = scenarios_of(results)
+    gate = GateDocument.model_validate({"fail_on": []})
+    before = results_of(counted("a", 0, 1))
+    for baseline, expected in (
+        (None, "the gate does not fail for it: Violated collision"),
+        (
+            make_baseline(before, find_failures(before, scenarios), metrics=()),
+            "new, for which the gate does not fail, against the baseline b.json: Violated",
+        ),
+    ):
+        decision = decide(results, scenarios, gate, baseline)
+        created_at = datetime(2026, 1, 2, tzinfo=UTC)
+        made = make_report(
+            results,
+            scenarios,
+            decision,
+            created_at=created_at,
+            baseline="" if baseline is None else "b.json",
+        )
+        (suite,) = JUnitXml.fromstring(junit_xml(made))
+        (message,) = [one.message for case in suite if case.name == "a" for one in case.result]
+        assert message.startswith(expected)
+
+
+def more_severe() -> SuiteReport:
+    """Returns the report of an accepted touch that is a crash now."""
+    old, now = (
+        results_of([suite_run("a", 0, verdict(evidence={"relative_speed": speed}))])
+        for speed in (1.0, 15.0)
+    )
+    scenarios = scenarios_of(now)
+    baseline = make_baseline(old, find_failures(old, scenarios), metrics=())
+    decision = decide(now, scenarios, GateDocument(), baseline)
+    created_at = datetime(2026, 1, 2, tzinfo=UTC)
+    return make_report(now, scenarios, decision, created_at=created_at, baseline="b.json")
+
+
+def test_every_report_shows_what_is_more_severe() -> None:
+    made, growth = more_severe(), "more severe: impact speed 1.0 → 15.0 m/s"
+    (suite,) = JUnitXml.fromstring(junit_xml(made))
+    (failure,) = [one for case in suite if case.name == "a" for one in case.result]
+    (outcome,) = outcomes_of(made)
+    assert failure.message.endswith(f"It is {growth}.")
+    assert growth in (failure.text or "")
+    assert growth in summary_markdown(made)
+    assert growth in report_html(made)
+    assert growth in decision_of(made).reasons[0]
+    assert outcome.failures[0].endswith(f"It is {growth}.")
+    (content,) = report_content(made)["failures"]
+    assert content["class"] == "worse"
+    severity = content["severity"]
+    assert (severity["worse"], severity["sentence"]) == (True, growth)
+    assert severity["measures"][1] == {
+        "measure": "impact_speed",
+        "unit": "m/s",
+        "less_is_worse": False,
+        "margin": 2.0,
+        "before": 1.0,
+        "now": 15.0,
+        "worst_before": 1.0,
+        "worst": 15.0,
+        "words": "impact speed 1.0 → 15.0 m/s",
+        "clearly_more": True,
+        "worse": True,
+        "p": None,
+        "test": None,
+    }
+
+
+def test_the_test_of_each_p_is_named_beside_it() -> None:
+    made = report()
+    content = report_content(made)
+    assert {one["test"] for one in content["failures"] if one["p"] is not None} == {FISHER}
+    assert content["overall"]["test"] == f"{MANTEL} passing runs"
+    assert (content["overall"]["scenarios"], content["overall"]["telling_scenarios"]) == (6, 3)
+    for text in (summary_markdown(made), report_html(made), junit_xml(made).decode()):
+        assert FISHER in text
+    assert MANTEL in report_html(made)
+    for text in (*(one.change for one in made.decision.failures), *made.decision.reasons):
+        assert not re.search(r"\(p [\d.e-]+\)", text)
+
+
+def test_the_p_of_all_scenarios_says_what_it_compares() -> None:
+    names = [f"s{number}" for number in range(40)]
+    now = results_of([run for name in names for run in counted(name, 3, 5)])
+    before = results_of([run for name in names for run in counted(name, 1, 5)])
+    scenarios = scenarios_of(now)
+    baseline = make_baseline(before, find_failures(before, scenarios), metrics=())
+    (reason,) = decide(now, scenarios, GateDocument(), baseline).reasons
+    assert reason.endswith(
+        "one-sided test of Cochran, Mantel and Haenszel over 40 scenarios, 40 with failing and "
+        "passing runs; it compares scenario by scenario, so that the sums alone do not give this p)"
+    )
 
 
 def test_junit_has_no_error_where_the_gate_ignores_runs_that_were_not_judged() -> None:

@@ -102,7 +102,14 @@ def decide_and_report(
     pictures = {}
     if client is not None and files.page is not None:
         pictures = draw_failures(client, decision, most=files.pictures)
-    report = report_of(results, suite.by_name, decision, baseline=baseline, pictures=pictures)
+    report = report_of(
+        results,
+        suite.by_name,
+        decision,
+        baseline=baseline,
+        accepted=accepted,
+        pictures=pictures,
+    )
     write_reports(report, files)
     return report
 

@@ -16,7 +16,8 @@ from drivora_service.errors import DrivoraError
 from drivora_service.shapes import to_json
 from drivora_service.store.suites.suite_records import ScenarioState
 from drivora_service.suites.gate.baseline import Baseline, read_baseline
-from drivora_service.suites.gate.gate_decision import Decision
+from drivora_service.suites.gate.gate_decision import OCCURRENCE_TEST, Decision, OverallAnswer
+from drivora_service.suites.gate.severity_changes import SEVERITY_TEST, SeverityChange
 from drivora_service.suites.reports.suite_report import STATES_IN_WORDS, SuiteReport, make_report
 from drivora_service.suites.suite import SuiteScenario
 from drivora_service.suites.suite_results import SuiteResults, SuiteRun, results_text
@@ -67,6 +68,7 @@ def report_of(
     decision: Decision,
     *,
     baseline: Path | None,
+    accepted: Baseline | None = None,
     pictures: Mapping[str, bytes] | None = None,
 ) -> SuiteReport:
     """Returns the report of a suite at this moment."""
@@ -76,6 +78,7 @@ def report_of(
         decision,
         created_at=datetime.now().astimezone(),
         baseline="" if baseline is None else baseline.name,
+        baseline_subject="" if accepted is None else accepted.subject,
         pictures=pictures,
     )
 
@@ -216,12 +219,22 @@ def report_content(report: SuiteReport) -> dict[str, Any]:
                 "runs_before": one.in_runs_before.runs,
                 "of_before": one.in_runs_before.of,
                 "p": one.p,
+                "test": None if one.p is None else OCCURRENCE_TEST,
                 "sentence": one.sentence,
                 "accountability": None if one.now is None else str(one.now.accountability),
+                "accountability_before": (
+                    None if one.before is None else str(one.before.accountability)
+                ),
+                "severity": {
+                    "worse": one.is_more_severe,
+                    "sentence": one.growth,
+                    "measures": [_change_content(change) for change in one.severity],
+                },
                 "run": None if one.now is None else one.now.run_id,
             }
             for one in decision.failures
         ],
+        "overall": None if decision.overall is None else _overall_content(decision.overall),
         "limits": [
             {
                 "limit": one.what,
@@ -246,6 +259,43 @@ def report_content(report: SuiteReport) -> dict[str, Any]:
             for row in report.rows
         ],
         "runs": [json.loads(to_json(SuiteRun, run)) for run in report.results.runs],
+    }
+
+
+def _change_content(change: SeverityChange) -> dict[str, Any]:
+    """Returns how severe a failure was and is by one measure, in numbers."""
+    measure, sides = change.measure, (change.before, change.now)
+    before, now = (None if one is None else one.median for one in sides)
+    worst_before, worst = (None if one is None else one.worst for one in sides)
+    return {
+        "measure": measure.name,
+        "unit": measure.unit,
+        "less_is_worse": measure.less_is_worse,
+        "margin": measure.margin,
+        "before": before,
+        "now": now,
+        "worst_before": worst_before,
+        "worst": worst,
+        "words": change.words,
+        "clearly_more": change.grows,
+        "worse": change.is_worse,
+        "p": change.p,
+        "test": None if change.p is None else SEVERITY_TEST,
+    }
+
+
+def _overall_content(overall: OverallAnswer) -> dict[str, Any]:
+    """Returns the test of all scenarios together."""
+    return {
+        "runs": overall.now.runs,
+        "of": overall.now.of,
+        "runs_before": overall.before.runs,
+        "of_before": overall.before.of,
+        "p": overall.p,
+        "test": None if overall.p is None else overall.test,
+        "scenarios": overall.scenarios,
+        "telling_scenarios": overall.telling,
+        "fails": overall.fails,
     }
 
 

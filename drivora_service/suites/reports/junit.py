@@ -6,6 +6,7 @@ import re
 from xml.etree import ElementTree
 
 from drivora_service.store.suites.suite_records import ScenarioState
+from drivora_service.suites.gate.failure_classes import FailureClass
 from drivora_service.suites.gate.gate_decision import ClassifiedFailure
 from drivora_service.suites.reports.suite_report import ScenarioRow, SuiteReport
 
@@ -19,7 +20,8 @@ def junit_xml(report: SuiteReport) -> bytes:
 
     A case has a failure if the gate fails for its scenario, and an error if a run was not judged
     and the gate does not ignore that. Accepted, flaky and known failures are skipped, with the
-    reason, so that the XML has failures or errors exactly if the gate fails.
+    reason and who accepted them: the baseline, by its file and ADS, or the author of the suite. So
+    the XML has failures or errors exactly if the gate fails.
     """
     suite = ElementTree.Element("testsuite", name=_clean(report.results.suite))
     suite.set("timestamp", report.created_at.isoformat(timespec="seconds"))
@@ -32,6 +34,7 @@ def junit_xml(report: SuiteReport) -> bytes:
         ("configuration_id", "" if configuration is None else configuration.id),
         ("shards", " ".join(report.results.shards)),
         ("baseline", report.baseline),
+        ("baseline_of", report.baseline_subject),
     ):
         if value:
             ElementTree.SubElement(properties, "property", name=name, value=_clean(value))
@@ -66,10 +69,11 @@ def _add_case(suite: ElementTree.Element, row: ScenarioRow, report: SuiteReport)
         error = ElementTree.SubElement(case, tag, type=_clean(run.cause or run.status))
         error.set("message", _clean(f"{run.status}: {run.message}"))
     elif row.failures:
-        message = "; ".join(_message(one, report) for one in row.failures)
-        ElementTree.SubElement(case, "skipped", message=_clean(message))
+        reasons = [_reason_to_skip(one, report) for one in row.failures]
+        reasons += [_known_reason(reason) for reason in row.known]
+        ElementTree.SubElement(case, "skipped", message=_clean("; ".join(reasons)))
     elif row.known:
-        message = "; ".join(f"known failure: {reason}" for reason in row.known)
+        message = "; ".join(_known_reason(reason) for reason in row.known)
         ElementTree.SubElement(case, "skipped", message=_clean(message))
     if row.runs:
         lines = [
@@ -89,14 +93,35 @@ def _add_gate(suite: ElementTree.Element, report: SuiteReport) -> None:
         failure.text = _clean("\n".join(report.decision.reasons))
 
 
+def _reason_to_skip(one: ClassifiedFailure, report: SuiteReport) -> str:
+    """Returns why the gate does not fail for a failure that occurs, and what it is."""
+    if not report.decision.has_baseline:
+        return f"the gate does not fail for it: {one.sentence}"
+    where = report.baseline_words or "the baseline"
+    if one.failure_class is FailureClass.SAME:
+        return f"accepted in the baseline {where}: {one.sentence} It {one.change}."
+    if one.failure_class is FailureClass.FLAKY:
+        return f"flaky, against the baseline {where}: {one.sentence} It {one.change}."
+    return (
+        f"{one.failure_class}, for which the gate does not fail, against the baseline {where}: "
+        f"{one.sentence} It {one.change}."
+    )
+
+
+def _known_reason(reason: str) -> str:
+    return f"known failure, accepted by the author of the suite: {reason}"
+
+
 def _message(one: ClassifiedFailure, report: SuiteReport) -> str:
     which = f"{one.failure_class}: " if report.decision.has_baseline else ""
-    return f"{which}{one.sentence}"
+    growth = f" It is {one.growth}." if one.growth else ""
+    return f"{which}{one.sentence}{growth}"
 
 
 def _details(one: ClassifiedFailure, report: SuiteReport) -> str:
     run = "" if one.now is None else f"\n  run {one.now.run_id}, seeds {list(one.now.seeds)}"
-    return f"{one.key.oracle}: {_message(one, report)} It {one.change}.{run}"
+    which = f"{one.failure_class}: " if report.decision.has_baseline else ""
+    return f"{one.key.oracle}: {which}{one.sentence} It {one.change}.{run}"
 
 
 def _clean(text: str) -> str:

@@ -37,6 +37,9 @@ def _lines(report: SuiteReport) -> Iterator[str]:
             for one in decision.failures
         ]
         yield from _table(("", "scenario", "oracle", "what happened", "how often"), rows)
+    if report.baseline:
+        yield ""
+        yield f"Baseline: {escape_markdown(report.baseline_words)}"
     if decision.limits:
         yield ""
         yield from _table(

@@ -8,6 +8,7 @@ from drivora_service.store.suites.suite_records import (
     SuiteEstimate,
     SuiteOutcome,
 )
+from drivora_service.suites.gate.gate_decision import ClassifiedFailure
 from drivora_service.suites.gate.occurrence_statistics import Interval, mean_of_repetitions, share
 from drivora_service.suites.reports.suite_report import ScenarioRow, SuiteReport
 
@@ -52,7 +53,7 @@ def outcomes_of(report: SuiteReport) -> tuple[SuiteOutcome, ...]:
 def _outcome(row: ScenarioRow) -> SuiteOutcome:
     failing = [one.now.run_id for one in row.failures if one.now is not None]
     made = [run.run_id for run in row.runs if run.run_id]
-    told = [f"{one.key.oracle.replace('_', ' ')}: {one.sentence}" for one in row.failures]
+    told = [_describe(one) for one in row.failures]
     told += [f"{run.status.replace('_', ' ')}: {run.message}" for run in row.unfinished]
     return SuiteOutcome(
         scenario=row.name,
@@ -63,6 +64,11 @@ def _outcome(row: ScenarioRow) -> SuiteOutcome:
         run_id=next(iter([*failing, *made]), ""),
         failures=tuple(told[:_MOST_FAILURES]),
     )
+
+
+def _describe(one: ClassifiedFailure) -> str:
+    growth = f" It is {one.growth}." if one.growth else ""
+    return f"{one.key.oracle.replace('_', ' ')}: {one.sentence}{growth}"
 
 
 def _estimate(interval: Interval) -> SuiteEstimate:

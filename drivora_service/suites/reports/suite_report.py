@@ -68,6 +68,7 @@ class SuiteReport:
     Attributes:
         created_at: With its time zone.
         baseline: Name of the baseline's file; "" without one.
+        baseline_subject: The ADS of the baseline with its parameters and versions; "" likewise.
         pictures: SVG of runs, by run id.
     """
 
@@ -76,7 +77,14 @@ class SuiteReport:
     rows: tuple[ScenarioRow, ...]
     created_at: datetime
     baseline: str = ""
+    baseline_subject: str = ""
     pictures: Mapping[str, bytes] = field(default_factory=dict)
+
+    @property
+    def baseline_words(self) -> str:
+        """The file of the baseline, and whose failures it has; "" without one."""
+        of = f" (of {self.baseline_subject})" if self.baseline_subject else ""
+        return f"{self.baseline}{of}" if self.baseline else ""
 
     @property
     def subject(self) -> str:
@@ -95,6 +103,7 @@ def make_report(
     *,
     created_at: datetime,
     baseline: str = "",
+    baseline_subject: str = "",
     pictures: Mapping[str, bytes] | None = None,
 ) -> SuiteReport:
     """Returns the report of a suite; see :class:`SuiteReport`."""
@@ -111,6 +120,7 @@ def make_report(
         ),
         created_at=created_at,
         baseline=baseline,
+        baseline_subject=baseline_subject,
         pictures=pictures or {},
     )
 
