@@ -73,11 +73,6 @@ class Magnitude(Shape):
         return self._ordered[-1]
 
     @property
-    def is_steady(self) -> bool:
-        """Whether no run is clearly worse than another one."""
-        return not self.is_clearly_worse(self.least, self.worst)
-
-    @property
     def _ordered(self) -> list[float]:
         return sorted(self.values, reverse=self.less_is_worse)
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from drivora_service.oracles.verdicts.violation_magnitude import Magnitude
 from drivora_service.studies.comparison.sample_statistics import holm
 
-SEVERITY_TEST = "one-sided exact rank test of Mann and Whitney, corrected by Holm"
+SEVERITY_TEST = "one-sided rank test of Mann and Whitney, corrected by Holm"
 
 _MOST_EXACT = 100
 """Runs up to which the test counts all divisions of the ranks."""
@@ -107,10 +106,10 @@ def severity_changes(
 ) -> list[tuple[SeverityChange, ...]]:
     """Returns what has changed in the severity of failures, and whether they are worse by it.
 
-    A failure is clearly more severe if every run of it now is clearly worse than every one before,
-    it occurs in every run now, and the runs of neither side differ clearly among themselves. Where
-    they do, or it occurs in some runs only, its median must be clearly worse, and the test of ranks
-    significant: the greatest of more runs is no evidence.
+    A failure is clearly more severe if it occurs in every run now, and each is clearly worse than
+    every one before, by more than the runs of either side differ among themselves. Otherwise, its
+    median must be clearly worse, and the test of ranks significant: the greatest of more runs is no
+    evidence.
 
     Args:
         failures: Those that occur before or now.
@@ -124,8 +123,10 @@ def severity_changes(
                 continue
             if sides.in_every_run and _is_apart(change.before, change.now):
                 found[place][index] = replace(change, is_worse=True)
-            elif _is_testable(change, alpha):
+            elif len({*change.before.values, *change.now.values}) > 1:
                 tested.append((place, index))
+    # All whose runs differ count for the correction, also those that have too few runs as yet:
+    # which ones get further runs depends on their first ones.
     p_values = holm([_p_of_change(found[place][index]) for place, index in tested])
     for (place, index), p in zip(tested, p_values, strict=True):
         change = found[place][index]
@@ -134,23 +135,10 @@ def severity_changes(
 
 
 def _is_apart(before: Magnitude, now: Magnitude) -> bool:
-    """Returns whether the runs of each side are alike, and all now clearly worse."""
-    return (
-        now.is_clearly_worse(before.worst, now.least)
-        and now.is_steady
-        and replace(now, values=before.values).is_steady
-    )
-
-
-def _is_testable(change: SeverityChange, alpha: float) -> bool:
-    """Returns whether a test can tell anything: the runs differ, and are enough.
-
-    Tests that cannot be significant do not count for the correction (Tarone 1990).
-    """
-    if change.before is None or change.now is None:
-        return False
-    old, new = change.before.values, change.now.values
-    return len({*old, *new}) > 1 and 1.0 / math.comb(len(old) + len(new), len(new)) < alpha
+    """Returns whether all runs now are clearly worse, by more than those of a side differ."""
+    gap = abs(now.least - before.worst)
+    spread = max(abs(side.worst - side.least) for side in (before, now))
+    return now.is_clearly_worse(before.worst, now.least) and gap >= spread
 
 
 def _p_of_change(change: SeverityChange) -> float:
