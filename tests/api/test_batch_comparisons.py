@@ -49,7 +49,7 @@ def test_batches_are_compared_by_id_or_name(offline: Offline, both: tuple[str, s
     found = answer.json()
     assert found["sentence"] == (
         "B (sumo-krauss) fails in none of 8 scenarios in which A (idm) does not, and A in 6 in "
-        "which B does not (p 0.031): B fails less."
+        "which B does not (p 0.031, McNemar's exact test): B fails less."
     )
     table = found["failures"]
     assert (table["a_only"], table["b_only"], table["both"], table["neither"]) == (6, 0, 1, 1)

@@ -14,7 +14,7 @@ from drivora_service.suites.paired.batch_comparison import (
     RunResult,
     WhichFails,
 )
-from drivora_service.suites.paired.standing_sentence import probability
+from drivora_service.suites.paired.standing_sentence import failure_test, probability
 
 FAILURE_COLUMNS = ("failure", "A only", "B only", "both", "neither", "B-A [95%]", "p", "B is")
 METRIC_COLUMNS = ("metric", "unit", "A", "B", "B-A [95%]", "p", "B is", "n")
@@ -78,13 +78,13 @@ _ORIGINS = {
 
 def how_to_read_failures(comparison: BatchComparison) -> str:
     """Explains the table of failures."""
+    test = failure_test(has_repetitions=_has_repetitions(comparison))
     return (
         f"Failures are {comparison.definition.words}"
         f"{_ORIGINS[comparison.definition.origin]}. Numbers are scenarios; B-A is the difference "
-        "of the shares of scenarios with a failure, below 0 if B fails less. p is McNemar's exact "
-        "test, corrected by Holm for all oracles where it is of one of them; B is undecided unless "
-        "it is below "
-        f"{SIGNIFICANT:g}."
+        "of the shares of scenarios with a failure, below 0 if B fails less. p: "
+        f"{test}, two-sided, corrected by Holm for all oracles where it is of one of them; B is "
+        f"undecided unless p is below {SIGNIFICANT:g}."
     )
 
 

@@ -36,7 +36,8 @@ def describe_outcome(
             "difference is shown."
         )
     a_only, b_only = failures.a_only or "none", failures.b_only or "none"
-    rest = f"(p {probability(failures.p)}): {_ANSWERS[failures.judgement]}."
+    test = failure_test(has_repetitions=has_repetitions)
+    rest = f"(p {probability(failures.p)}, {test}): {_ANSWERS[failures.judgement]}."
     if has_repetitions:
         return (
             f"{second} fails more often than {first} in {b_only} of {of}, and A more "
@@ -46,6 +47,15 @@ def describe_outcome(
         f"{second} fails in {b_only} of {of} in which {first} does not, and A in "
         f"{a_only} in which B does not {rest}"
     )
+
+
+def failure_test(*, has_repetitions: bool) -> str:
+    """Returns the name of the test of failures.
+
+    Args:
+        has_repetitions: Whether a scenario has several pairs.
+    """
+    return "exact sign test over scenarios" if has_repetitions else "McNemar's exact test"
 
 
 def probability(p: float) -> str:

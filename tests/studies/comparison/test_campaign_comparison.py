@@ -181,6 +181,7 @@ def test_what_counts_and_what_does_not_are_told_apart(
         assert int(row[-1]) == sum(f.not_at_fault for f in own)
     text = comparison_markdown(comparison)
     assert f"| {' | '.join(rows[0])} |" in text
+    assert "(Mann-Whitney U, two-sided)" in text
 
 
 def test_campaigns_of_another_version_are_refused(

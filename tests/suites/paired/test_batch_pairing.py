@@ -20,6 +20,7 @@ from drivora_service.suites.paired.batch_comparison_files import write_batch_com
 from drivora_service.suites.paired.batch_comparison_text import (
     comparison_markdown,
     discordant_pairs,
+    how_to_read_failures,
 )
 from drivora_service.suites.paired.batch_pairing import compare_runs
 from drivora_service.suites.paired.failure_rules import Rules, Unfinished
@@ -51,7 +52,7 @@ def test_the_table_and_the_sentence() -> None:
     assert table.difference == pytest.approx(-0.08)
     assert found.sentence == (
         "B (sumo-krauss) fails in 4 of 100 scenarios in which A (idm) does not, and A in 12 in "
-        "which B does not (p 0.077): no difference is shown."
+        "which B does not (p 0.077, McNemar's exact test): no difference is shown."
     )
     (collision,) = found.by_oracle
     assert (collision.oracle, collision.a_only, collision.p_holm) == ("collision", 12, table.p)
@@ -107,6 +108,8 @@ def test_repeated_seeds_count_as_one_scenario() -> None:
     assert cells["often", 0] == (WhichFails.BOTH, WhichFails.A_ONLY)
     assert cells["tie", 1] == (WhichFails.B_ONLY, WhichFails.BOTH)
     assert "fails more often than A in none of 3 scenarios" in found.sentence
+    assert "(p 1.00, exact sign test over scenarios)" in found.sentence
+    assert "p: exact sign test over scenarios, two-sided" in how_to_read_failures(found)
     assert any("9 pairs of 3 scenarios" in note for note in found.notes)
 
 
@@ -259,6 +262,8 @@ def test_files_hold_what_was_compared(tmp_path: Path) -> None:
     ]
     assert written[0].read_text() == comparison_markdown(found)
     assert r"| a\|b | A | " in written[0].read_text()
+    assert "p: McNemar's exact test, two-sided, corrected by Holm" in written[0].read_text()
+    assert "p is the test by flipped signs, corrected by Holm" in written[0].read_text()
     tables = {
         path.stem: list(csv.DictReader(path.read_text().splitlines())) for path in written[1:]
     }

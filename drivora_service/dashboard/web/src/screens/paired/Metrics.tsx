@@ -20,7 +20,7 @@ export function Metrics({ metrics }: { readonly metrics: readonly Metric[] }) {
           <Figure
             level={2}
             title="Metrics"
-            note="Means over scenarios of A and B, and the mean of the paired differences with its 95 % interval; each row has its own scale. B is undecided unless p, corrected by Holm, is below 0.05."
+            note="Means over scenarios of A and B, and the mean of the paired differences with its 95 % interval; each row has its own scale. B is undecided unless p, by the test of flipped signs, corrected by Holm, is below 0.05."
             file="metrics"
             numbers={numbersOf(metrics)}
           >

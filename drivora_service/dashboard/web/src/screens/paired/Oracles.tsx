@@ -18,16 +18,21 @@ export function Oracles({
   rows,
   search,
   scenarios,
+  test,
 }: {
   readonly rows: readonly Failure[];
   readonly search: Search;
   readonly scenarios: number;
+  /** The name of the test. */
+  readonly test: string;
 }) {
   return (
     <section className="panel">
       <header>
         <h2>Failures by oracle</h2>
-        <span className="quiet">of {count(scenarios)} scenarios; p corrected by Holm</span>
+        <span className="quiet">
+          of {count(scenarios)} scenarios; p: {test}, corrected by Holm
+        </span>
       </header>
       <table className="matrix" aria-label="Failures by oracle">
         <thead>

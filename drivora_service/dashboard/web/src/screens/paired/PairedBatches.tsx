@@ -10,7 +10,7 @@ import { LeftOut } from "./LeftOut";
 import { Metrics } from "./Metrics";
 import { Oracles } from "./Oracles";
 import { PairTable } from "./PairTable";
-import { type Comparison, csvRows } from "./paired";
+import { type Comparison, csvRows, failureTest } from "./paired";
 import { Sides } from "./Sides";
 import { Table } from "./Table";
 import "./paired.css";
@@ -124,7 +124,7 @@ function Loaded({ found, search }: { readonly found: Comparison; readonly search
       <div className="two">
         <Sides found={found} />
         {found.failures && found.scenarios > 0 && (
-          <Table failures={found.failures} search={search} />
+          <Table failures={found.failures} test={testOf(found)} search={search} />
         )}
       </div>
       {found.scenarios > 0 && <Evidence found={found} search={search} />}
@@ -133,11 +133,18 @@ function Loaded({ found, search }: { readonly found: Comparison; readonly search
   );
 }
 
+const testOf = ({ pairs, scenarios }: Comparison) => failureTest(pairs.length, scenarios);
+
 function Evidence({ found, search }: { readonly found: Comparison; readonly search: Search }) {
   return (
     <>
       {found.by_oracle.length > 0 && (
-        <Oracles rows={found.by_oracle} search={search} scenarios={found.scenarios} />
+        <Oracles
+          rows={found.by_oracle}
+          search={search}
+          scenarios={found.scenarios}
+          test={testOf(found)}
+        />
       )}
       <PairTable found={found} search={search} />
       <Metrics metrics={found.metrics} />

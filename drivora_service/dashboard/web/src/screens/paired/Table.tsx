@@ -7,9 +7,12 @@ import { pointsText, probability, type WhichFails } from "./paired";
 /** In how many scenarios A and B fail, as a table of two by two; each number leads to its pairs. */
 export function Table({
   failures,
+  test,
   search,
 }: {
   readonly failures: Schemas["FailureComparison"];
+  /** The name of the test. */
+  readonly test: string;
   readonly search: Search;
 }) {
   const cell = (fails: WhichFails, words: string) => (
@@ -29,7 +32,9 @@ export function Table({
     <section className="panel">
       <header>
         <h2>Scenarios</h2>
-        <span className="quiet">p {probability(failures.p)}, McNemar’s exact test</span>
+        <span className="quiet">
+          p {probability(failures.p)}, {test}
+        </span>
       </header>
       <div className="inside stack">
         <table className="two-by-two" aria-label="Scenarios by which of A and B fails">

@@ -6,6 +6,7 @@ import {
   csvRows,
   differences,
   failuresText,
+  failureTest,
   type Pair,
   pairsShown,
   pointsText,
@@ -178,4 +179,9 @@ it("a file has a line for each pair, with the values of both runs", () => {
     80,
     null,
   ]);
+});
+
+it("the test behind p is named: with several seeds of a scenario it is another one", () => {
+  expect(failureTest(8, 8)).toBe("McNemar’s exact test");
+  expect(failureTest(24, 8)).toBe("exact sign test over scenarios");
 });

@@ -95,6 +95,11 @@ function intervalText(low: number | null, high: number | null): string {
   return low === null || high === null ? "" : ` [${signed(low)}, ${signed(high)}]`;
 }
 
+/** Returns the name of the test of failures: with several pairs of a scenario it is another one. */
+export function failureTest(pairs: number, scenarios: number): string {
+  return pairs > scenarios ? "exact sign test over scenarios" : "McNemar’s exact test";
+}
+
 /** Returns p as text, with no more digits than it deserves. */
 export function probability(p: number): string {
   if (p < 0.001) return "< 0.001";

@@ -30,7 +30,7 @@ export function Effects({
   return (
     <Figure
       title={title}
-      note={`Probability (A12) that a repetition has ${first.larger_is_better ? "more" : "fewer"} ${first.title} than one of ${first.baseline}; bars: 95 % confidence; p corrected by Holm.`}
+      note={`Probability (A12) that a repetition has ${first.larger_is_better ? "more" : "fewer"} ${first.title} than one of ${first.baseline}; bars: 95 % confidence; p: Mann-Whitney U, two-sided, corrected by Holm.`}
       file={file}
       numbers={numbersOf(differences)}
     >
