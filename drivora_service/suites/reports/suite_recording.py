@@ -53,8 +53,8 @@ def outcomes_of(report: SuiteReport) -> tuple[SuiteOutcome, ...]:
 def _outcome(row: ScenarioRow) -> SuiteOutcome:
     failing = [one.now.run_id for one in row.failures if one.now is not None]
     made = [run.run_id for run in row.runs if run.run_id]
-    told = [_describe(one) for one in row.failures]
-    told += [f"{run.status.replace('_', ' ')}: {run.message}" for run in row.unfinished]
+    sentences = [_describe(one) for one in row.failures]
+    sentences += [f"{run.status.replace('_', ' ')}: {run.message}" for run in row.unfinished]
     return SuiteOutcome(
         scenario=row.name,
         state=row.state,
@@ -62,7 +62,7 @@ def _outcome(row: ScenarioRow) -> SuiteOutcome:
         judged=row.judged,
         score=row.score,
         run_id=next(iter([*failing, *made]), ""),
-        failures=tuple(told[:_MOST_FAILURES]),
+        failures=tuple(sentences[:_MOST_FAILURES]),
     )
 
 
