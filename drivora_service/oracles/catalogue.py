@@ -41,6 +41,7 @@ def law_description(law: Law) -> OracleDescription:
     """Returns the description of a law; what it measures is its robustness."""
     return OracleDescription(
         name=law.name,
+        severity=law.severity,
         definition=law.description,
         unit=SHARE,
         violated_by=ViolatedBy.BELOW,

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from drivora_service.oracles.verdict import Severity
 from drivora_service.shapes import Shape
 
 SHARE = "1"
@@ -67,6 +68,8 @@ class OracleDescription(Shape):
     """What an oracle says about itself.
 
     Attributes:
+        severity: The greatest severity of its violations; observations count only where a
+            definition of failures names the oracle.
         definition: One sentence.
         unit: Unit of what it measures; empty if it only happens or not.
         violated_by: Direction in which the measure violates it.
@@ -75,6 +78,7 @@ class OracleDescription(Shape):
     """
 
     name: str
+    severity: Severity
     definition: str
     unit: str
     violated_by: ViolatedBy
@@ -120,6 +124,7 @@ def find_description(name: str) -> OracleDescription | None:
 ORACLES = (
     OracleDescription(
         name="collision",
+        severity=Severity.MAJOR,
         definition="The box of the ego overlaps that of another actor; the same actor counts once.",
         unit="",
         violated_by=ViolatedBy.EVENT,
@@ -137,6 +142,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="red_light",
+        severity=Severity.MAJOR,
         definition="The tail of the ego crosses a stop line while the signal of its movement is "
         "red.",
         unit="",
@@ -153,6 +159,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="stop_sign",
+        severity=Severity.MAJOR,
         definition="The front of the ego crosses the line of a stop sign without having stood "
         "before it.",
         unit="m/s",
@@ -168,6 +175,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="failure_to_yield",
+        severity=Severity.MAJOR,
         definition="The ego goes before an actor that has the right of way, and hinders it.",
         unit="s",
         violated_by=ViolatedBy.BELOW,
@@ -192,6 +200,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="off_road",
+        severity=Severity.MAJOR,
         definition="A corner of the ego leaves the lanes and junctions that cars may use.",
         unit="m",
         violated_by=ViolatedBy.ABOVE,
@@ -200,6 +209,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="wrong_way",
+        severity=Severity.MAJOR,
         definition="The ego moves against the direction of the lane that it is on, outside "
         "junctions.",
         unit="m",
@@ -213,6 +223,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="lane_keeping",
+        severity=Severity.MINOR,
         definition="The centre of the ego leaves all lanes, or is in a lane of the other "
         "direction.",
         unit="m",
@@ -228,6 +239,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="route_deviation",
+        severity=Severity.MINOR,
         definition="The ego is far from its route, or has driven beside it for a great part of "
         "its length.",
         unit="m",
@@ -248,6 +260,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="speeding",
+        severity=Severity.MINOR,
         definition="The ego is faster than its lane allows for longer than is excused.",
         unit="m/s",
         violated_by=ViolatedBy.ABOVE,
@@ -259,6 +272,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="blocked",
+        severity=Severity.MINOR,
         definition="The ego stands for long, and no signal makes it wait.",
         unit="s",
         violated_by=ViolatedBy.ABOVE,
@@ -276,6 +290,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="junction_blocking",
+        severity=Severity.MAJOR,
         definition="The ego stands in a junction, on a way that others cross, without a reason.",
         unit="s",
         violated_by=ViolatedBy.ABOVE,
@@ -296,6 +311,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="deadlock",
+        severity=Severity.MINOR,
         definition="Several egos stand in a cycle, each because of the next.",
         unit="s",
         violated_by=ViolatedBy.ABOVE,
@@ -311,6 +327,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="destination",
+        severity=Severity.MINOR,
         definition="The ego does not arrive within the time that its route allows; waiting at "
         "signals does not count.",
         unit="s",
@@ -329,6 +346,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="near_miss",
+        severity=Severity.OBSERVATION,
         definition="The ego comes so near to another actor, in time, that they almost collide.",
         unit="s",
         violated_by=ViolatedBy.BELOW,
@@ -349,6 +367,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="tailgating",
+        severity=Severity.OBSERVATION,
         definition="The ego follows a vehicle at less than the safe distance of RSS.",
         unit="m",
         violated_by=ViolatedBy.BELOW,
@@ -364,6 +383,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="minimum_speed",
+        severity=Severity.OBSERVATION,
         definition="The ego is slow although neither traffic, signals, junctions nor bends ask for "
         "it.",
         unit="m/s",
@@ -385,6 +405,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="discomfort",
+        severity=Severity.OBSERVATION,
         definition="An acceleration, a jerk or a rate of turning of the ego exceeds its bound of "
         "comfort.",
         unit="m/s², m/s³, rad/s, rad/s²",
@@ -417,6 +438,7 @@ ORACLES = (
     ),
     OracleDescription(
         name="non_optimal_decision",
+        severity=Severity.MINOR,
         definition="The ego arrives on another path than its reference path, which was free.",
         unit=SHARE,
         violated_by=ViolatedBy.BELOW,

@@ -168,6 +168,7 @@ def _oracle(catalogue: OracleCatalogue, name: str) -> Oracle:
         name=entry.name,
         description=entry.description,
         definition=entry.description if told is None else told.definition,
+        severity=None if told is None else told.severity,
         unit="" if told is None else told.unit,
         violated_by=None if told is None else told.violated_by,
         source=entry.package if told is None else told.source,

@@ -15,6 +15,7 @@ from drivora_service.oracles.oracle_descriptions import (
     ThresholdDescription,
     ViolatedBy,
 )
+from drivora_service.oracles.verdict import Severity
 from drivora_service.scenario.models.actor_models import ActorKind, VehicleClass
 
 
@@ -150,6 +151,10 @@ class Oracle(Schema):
     description: str
     definition: str = Field(
         description="What it is violated by, in one sentence; the description for a package's."
+    )
+    severity: Severity | None = Field(
+        description="The greatest severity of its violations; null for a package's. Observations "
+        "count only where a definition of failures names the oracle."
     )
     unit: str = Field(description="Unit of what it measures; empty if it happens or not.")
     violated_by: ViolatedBy | None = Field(

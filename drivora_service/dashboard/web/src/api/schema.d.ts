@@ -41,8 +41,8 @@ export interface paths {
          * Post Batch
          * @description Queues a run of every scenario in the body, a JSON list or one scenario a line (NDJSON).
          *
-         *     A scenario may come with the label of its run, and with its seed, as `{"label": "…", "seed": 7,
-         *     "scenario": {…}}`.
+         *     A scenario may come with the label of its run, with its seed, and with what is a failure of it,
+         *     as `{"label": "…", "seed": 7, "failures": {"counts": "any"}, "scenario": {…}}`.
          *
          *     Scenarios that cannot be run are rejected one by one; only if all are, is the batch refused.
          *
@@ -702,6 +702,26 @@ export interface paths {
          * @description Returns a failure of a campaign or of a run.
          */
         get: operations["get_failure_api_v1_failures__number__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/failures:counts": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Count Failures
+         * @description Returns the numbers of the failures that pass a filter, and what they count.
+         */
+        get: operations["count_failures_api_v1_failures_counts_get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1655,7 +1675,7 @@ export interface components {
          * @description The degrees of an ego's accountability for a violation, the strongest first.
          * @enum {string}
          */
-        Accountability: "avoidable" | "not_measurable" | "unavoidable" | "undetermined" | "not_judged" | "not_at_fault";
+        Accountability: "avoidable" | "not_measurable" | "unavoidable" | "undetermined" | "not_judged" | "preventable" | "not_at_fault";
         /**
          * ActorKind
          * @description The kind of an actor.
@@ -1908,6 +1928,12 @@ export interface components {
              * @description Whether every run has ended.
              */
             readonly done: boolean;
+            /**
+             * Failing Runs
+             * @description Runs with a failure, by their own definition.
+             * @default 0
+             */
+            failing_runs: number;
             /** Id */
             id: string;
             /**
@@ -1950,7 +1976,7 @@ export interface components {
              */
             by_oracle: components["schemas"]["FailureComparison"][];
             /** @description The violations that count as failures. */
-            counts: components["schemas"]["Counted"];
+            definition: components["schemas"]["StatedDefinition"];
             /**
              * Differences
              * @description Agents, parameters and versions in which the batches differ.
@@ -1973,11 +1999,6 @@ export interface components {
              * @description Remarks for the reader.
              */
             notes: string[];
-            /**
-             * Oracles
-             * @description The only oracles that count; empty: all but observations.
-             */
-            oracles: string[];
             /**
              * Pairs
              * @description Every pair, those that tell A from B first.
@@ -2151,6 +2172,8 @@ export interface components {
              * Format: date-time
              */
             created_at: string;
+            /** @description What it counts as failures. */
+            definition: components["schemas"]["StatedDefinition"];
             /**
              * Document
              * @description As posted, with defaults filled in.
@@ -2298,14 +2321,20 @@ export interface components {
              */
             judged: number;
             /**
+             * Preventable
+             * @description Candidates with violations at the fault of others only, one that this driver avoids, likewise; null if the campaign was judged before this was recorded.
+             * @default 0
+             */
+            preventable: number | null;
+            /**
              * Unavoidable
-             * @description Candidates at fault with no failure that this driver avoids.
+             * @description Candidates at fault in violations that this driver avoids none of, whether the campaign counts them or not.
              * @default 0
              */
             unavoidable: number | null;
             /**
              * Undetermined
-             * @description Candidates with failures of undetermined fault only.
+             * @description Candidates with violations of undetermined fault only, likewise.
              * @default 0
              */
             undetermined: number | null;
@@ -2440,6 +2469,11 @@ export interface components {
             /** @description The budget. */
             budget: components["schemas"]["BudgetDocument"];
             /**
+             * @description Violations that are failures: those that an ego is accountable for; also those at the fault of others that a careful driver avoids (preventable); also unavoidable ones (at_fault), and those of undetermined fault (possibly_at_fault); or those of others, too (any).
+             * @default accountable
+             */
+            counts: components["schemas"]["Counted"];
+            /**
              * Lookahead
              * @description Number of candidates that may wait for their results. It determines the search, the number of workers does not; it should be a few times that number.
              * @default 8
@@ -2452,18 +2486,10 @@ export interface components {
             name: string;
             /**
              * Oracles
-             * @description Oracles whose violations are failures.
-             * @default [
-             *       "collision",
-             *       "red_light",
-             *       "off_road",
-             *       "wrong_way",
-             *       "route_deviation",
-             *       "blocked",
-             *       "deadlock"
-             *     ]
+             * @description The only oracles that count; without it, all but observations.
+             * @default null
              */
-            oracles: string[];
+            oracles: string[] | null;
             /**
              * @description The seed scenario.
              * @default null
@@ -2611,17 +2637,17 @@ export interface components {
             network_coverage?: number | null;
             /**
              * Not At Fault
-             * @description Simulations without a failure, but with a violation at another actor's fault.
+             * @description Simulations with violations at the fault of others alone, avoided or not.
              */
             not_at_fault: number;
             /**
              * Not Judged
-             * @description Simulations that failed by oracles alone that do not attribute fault.
+             * @description Simulations with violations of oracles alone that do not attribute fault.
              */
             not_judged: number;
             /**
              * Not Measurable
-             * @description Those of them without such a one, but with one of which the run does not tell whether that driver avoids it.
+             * @description Simulations without such a one, but with a violation at fault of which the run does not tell whether that driver avoids it. This and the next five count violations of the campaign's oracles, whether they are failures or not, by their strongest.
              */
             not_measurable: number;
             /**
@@ -2639,6 +2665,11 @@ export interface components {
              * @description The method's own time over that of the runs.
              */
             readonly own_share: number;
+            /**
+             * Preventable
+             * @description Simulations with violations at the fault of others alone, one that a careful and competent driver of the ego avoids.
+             */
+            preventable: number;
             /**
              * Redrawn Share
              * @description Mutants that were drawn again, as they could not change the run of any ego, over these and all candidates with a parent; `None` without any.
@@ -2676,7 +2707,7 @@ export interface components {
             time_limit_s?: number | null;
             /**
              * Unavoidable
-             * @description Those of them in which that driver avoids none.
+             * @description Simulations with violations at fault in which that driver avoids none.
              */
             unavoidable: number;
             /**
@@ -2686,7 +2717,7 @@ export interface components {
             unchanged_share?: number | null;
             /**
              * Undetermined
-             * @description Simulations in which the fault of no failure can be determined.
+             * @description Simulations in which the fault of no violation can be determined.
              */
             undetermined: number;
         };
@@ -3022,10 +3053,10 @@ export interface components {
         Confirmation: "open" | "confirmed" | "flaky";
         /**
          * Counted
-         * @description The violations that are failures.
+         * @description The violations that are failures, by the accountability of an ego.
          * @enum {string}
          */
-        Counted: "accountable" | "at_fault" | "any";
+        Counted: "accountable" | "preventable" | "at_fault" | "possibly_at_fault" | "any";
         /**
          * Crossing
          * @description A crossing for walkers.
@@ -3116,6 +3147,12 @@ export interface components {
             /** @description Its status. */
             status?: components["schemas"]["GroupStatus"] | null;
         };
+        /**
+         * DefinitionOrigin
+         * @description Who defined what counts.
+         * @enum {string}
+         */
+        DefinitionOrigin: "request" | "posted" | "default";
         /**
          * Difference
          * @description One method against the baseline, by one measure on one seed scenario.
@@ -3320,7 +3357,7 @@ export interface components {
          * @description A candidate at length.
          */
         Evaluation: {
-            /** @description The strongest of its failures; null without one, or if it was judged before this was recorded. */
+            /** @description The strongest of its violations, failures or not; null without one, or if it was judged before this was recorded. */
             accountability: components["schemas"]["Accountability"] | null;
             /**
              * Agent Cost Us
@@ -3520,7 +3557,7 @@ export interface components {
          * @description A candidate in a list, with its result.
          */
         EvaluationSummary: {
-            /** @description The strongest of its failures; null without one, or if it was judged before this was recorded. */
+            /** @description The strongest of its violations, failures or not; null without one, or if it was judged before this was recorded. */
             accountability: components["schemas"]["Accountability"] | null;
             /**
              * At Fault Violations
@@ -3859,9 +3896,14 @@ export interface components {
             note: string;
             /**
              * Others
-             * @description The others.
+             * @description All but the avoidable ones.
              */
             others: number;
+            /**
+             * Preventable
+             * @description Those at the fault of others that a careful driver of the ego avoids.
+             */
+            preventable: number;
             /**
              * Revision
              * @description Count of all changes at its newest one; 0 if nothing was decided.
@@ -4012,6 +4054,34 @@ export interface components {
              * @default []
              */
             privileged: string[];
+        };
+        /**
+         * FoundCounts
+         * @description Numbers of failures that pass a filter.
+         */
+        FoundCounts: {
+            /**
+             * Avoidable
+             * @description Those that are the fault of an ego and avoidable.
+             */
+            avoidable: number;
+            /** @description What they count; null if each run and campaign has its own, or the filter chooses by accountability or fault. */
+            definition: components["schemas"]["StatedDefinition"] | null;
+            /**
+             * Failures
+             * @description Number of failures.
+             */
+            failures: number;
+            /**
+             * Preventable
+             * @description Those at the fault of others that a careful driver of the ego avoids.
+             */
+            preventable: number;
+            /**
+             * Runs
+             * @description Runs, and evaluations of campaigns, with one of them; null unless the filter names a batch, a campaign or a study.
+             */
+            runs: number | null;
         };
         /**
          * FoundFailure
@@ -4406,6 +4476,11 @@ export interface components {
             ended_at: string | null;
             /** @description Why the run was not judged. */
             error?: components["schemas"]["RunFailure"] | null;
+            /**
+             * Failures
+             * @description Violations that are failures by the definition of the run, see `definition` of its details; that the ADS itself failed is one. Null if the run says nothing about its ADS, or was judged before this was recorded.
+             */
+            failures: number | null;
             /** Id */
             id: string;
             /**
@@ -4420,7 +4495,7 @@ export interface components {
             label: string;
             /**
              * Observations
-             * @description Violated oracles that count only where a campaign or gate names them.
+             * @description Violated oracles that count only where a definition names them.
              */
             observations: number | null;
             /**
@@ -4462,7 +4537,7 @@ export interface components {
             trace_sha256: string;
             /**
              * Violations
-             * @description Violated oracles, observations left out; null unless finished.
+             * @description Violated oracles, without observations and what only follows from another violation; null unless finished.
              */
             violations: number | null;
             /**
@@ -4473,10 +4548,50 @@ export interface components {
         };
         JsonValue: unknown;
         /**
+         * KnownFailureDocument
+         * @description A failure that is known and does not count.
+         */
+        KnownFailureDocument: {
+            /**
+             * Agents
+             * @description ADSs of which it is known; without any, of every one.
+             * @default []
+             */
+            agents: string[];
+            /**
+             * Counterpart
+             * @description Id of the other actor; without it, any.
+             * @default null
+             */
+            counterpart: string | null;
+            /**
+             * Ego
+             * @description Id of the ego; without it, any.
+             * @default null
+             */
+            ego: string | null;
+            /**
+             * Oracle
+             * @description Violated oracle, or `agent_failed`; without it, any.
+             * @default null
+             */
+            oracle: string | null;
+            /**
+             * Reason
+             * @description Why it does not count, for reports.
+             */
+            reason: string;
+        };
+        /**
          * LabelledScenario
-         * @description A scenario of a batch, with the label and the seed of its run.
+         * @description A scenario of a batch, with what belongs to its run.
          */
         LabelledScenario: {
+            /**
+             * @description What is a failure of its run, in place of what the request says.
+             * @default null
+             */
+            failures: components["schemas"]["PostedFailures"] | null;
             /**
              * Label
              * @description Display name.
@@ -5569,6 +5684,8 @@ export interface components {
              * @description Why it cannot judge; no run is judged then. Empty if it can.
              */
             reason: string;
+            /** @description The greatest severity of its violations; null for a package's. Observations count only where a definition of failures names the oracle. */
+            severity: components["schemas"]["Severity"] | null;
             /**
              * Source
              * @description Where the definition comes from; a package's name for its.
@@ -5923,6 +6040,29 @@ export interface components {
             state: string;
         };
         /**
+         * PostedFailures
+         * @description What is a failure of a run.
+         */
+        PostedFailures: {
+            /**
+             * @description The violations that are failures.
+             * @default accountable
+             */
+            counts: components["schemas"]["Counted"];
+            /**
+             * Known
+             * @description Failures that are known and do not count.
+             * @default []
+             */
+            known: components["schemas"]["KnownFailureDocument"][];
+            /**
+             * Oracles
+             * @description The only oracles that count; without it, all but observations.
+             * @default null
+             */
+            oracles: string[] | null;
+        };
+        /**
          * Priority
          * @description The priority of runs: interactive first, then CI, then campaigns.
          * @enum {string}
@@ -6178,6 +6318,8 @@ export interface components {
              * Format: date-time
              */
             created_at: string;
+            /** @description What counts as a failure of the run. */
+            definition?: components["schemas"]["StatedDefinition"];
             /** Ended At */
             ended_at: string | null;
             /** @description Why the run was not judged. */
@@ -6187,6 +6329,17 @@ export interface components {
              * @description Number of the campaign's evaluation; null without a campaign.
              */
             evaluation?: number | null;
+            /**
+             * Failing Verdicts
+             * @description Places in `verdicts` of its failures.
+             * @default []
+             */
+            failing_verdicts: number[];
+            /**
+             * Failures
+             * @description Violations that are failures by the definition of the run, see `definition` of its details; that the ADS itself failed is one. Null if the run says nothing about its ADS, or was judged before this was recorded.
+             */
+            failures: number | null;
             /** Id */
             id: string;
             /**
@@ -6208,7 +6361,7 @@ export interface components {
             };
             /**
              * Observations
-             * @description Violated oracles that count only where a campaign or gate names them.
+             * @description Violated oracles that count only where a definition names them.
              */
             observations: number | null;
             /**
@@ -6297,7 +6450,7 @@ export interface components {
             };
             /**
              * Violations
-             * @description Violated oracles, observations left out; null unless finished.
+             * @description Violated oracles, without observations and what only follows from another violation; null unless finished.
              */
             violations: number | null;
             /**
@@ -6339,10 +6492,20 @@ export interface components {
              */
             configurations: components["schemas"]["ConfigurationCount"][];
             /**
+             * Failing
+             * @description With a failure, by their own definitions.
+             */
+            failing: number;
+            /**
              * Not At Fault
              * @description With violations, none at an ego's fault; with `oracle`, with a verdict that no ego was at fault.
              */
             not_at_fault: number;
+            /**
+             * Not Failing
+             * @description Judged, and without one.
+             */
+            not_failing: number;
             /**
              * Not Violated
              * @description Finished without one.
@@ -6486,6 +6649,11 @@ export interface components {
             created_at: string;
             /** Ended At */
             ended_at: string | null;
+            /**
+             * Failures
+             * @description Violations that are failures by the definition of the run, see `definition` of its details; that the ADS itself failed is one. Null if the run says nothing about its ADS, or was judged before this was recorded.
+             */
+            failures: number | null;
             /** Id */
             id: string;
             /**
@@ -6500,7 +6668,7 @@ export interface components {
             label: string;
             /**
              * Observations
-             * @description Violated oracles that count only where a campaign or gate names them.
+             * @description Violated oracles that count only where a definition names them.
              */
             observations: number | null;
             /**
@@ -6537,7 +6705,7 @@ export interface components {
             trace_sha256: string;
             /**
              * Violations
-             * @description Violated oracles, observations left out; null unless finished.
+             * @description Violated oracles, without observations and what only follows from another violation; null unless finished.
              */
             violations: number | null;
             /**
@@ -7212,6 +7380,32 @@ export interface components {
             names: string[];
         };
         /**
+         * StatedDefinition
+         * @description The definition behind numbers.
+         */
+        StatedDefinition: {
+            /** @description The violations that count; null if that differs between the scenarios. */
+            counts: components["schemas"]["Counted"] | null;
+            /**
+             * Definitions
+             * @description Number of different definitions of the scenarios.
+             * @default 1
+             */
+            definitions: number;
+            /**
+             * Oracles
+             * @description The only oracles that count; null: all but observations, or it differs.
+             */
+            oracles: string[] | null;
+            /** @description Who defined it. */
+            origin: components["schemas"]["DefinitionOrigin"];
+            /**
+             * Words
+             * @description It in words.
+             */
+            words: string;
+        };
+        /**
          * StepSpan
          * @description Steps from ``first`` to ``last``.
          */
@@ -7273,6 +7467,8 @@ export interface components {
              * Format: date-time
              */
             created_at: string;
+            /** @description What its campaigns count as failures. */
+            definition: components["schemas"]["StatedDefinition"];
             /**
              * Document
              * @description As posted, with defaults filled in.
@@ -7450,6 +7646,11 @@ export interface components {
             /** @description The budget of each campaign. */
             budget: components["schemas"]["BudgetDocument"];
             /**
+             * @description Violations that are failures: those that an ego is accountable for; also those at the fault of others that a careful driver avoids (preventable); also unavoidable ones (at_fault), and those of undetermined fault (possibly_at_fault); or those of others, too (any).
+             * @default accountable
+             */
+            counts: components["schemas"]["Counted"];
+            /**
              * Lookahead
              * @description Number of candidates of a campaign that may wait for their results.
              * @default 8
@@ -7467,18 +7668,10 @@ export interface components {
             name: string;
             /**
              * Oracles
-             * @description Oracles whose violations are failures.
-             * @default [
-             *       "collision",
-             *       "red_light",
-             *       "off_road",
-             *       "wrong_way",
-             *       "route_deviation",
-             *       "blocked",
-             *       "deadlock"
-             *     ]
+             * @description The only oracles that count; without it, all but observations.
+             * @default null
              */
-            oracles: string[];
+            oracles: string[] | null;
             /**
              * Repetitions
              * @description Number of campaigns of each method, which differ in their seeds.
@@ -7629,17 +7822,17 @@ export interface components {
             network_coverage?: number | null;
             /**
              * Not At Fault
-             * @description Simulations without a failure, but with a violation at another actor's fault.
+             * @description Simulations with violations at the fault of others alone, avoided or not.
              */
             not_at_fault: number;
             /**
              * Not Judged
-             * @description Simulations that failed by oracles alone that do not attribute fault.
+             * @description Simulations with violations of oracles alone that do not attribute fault.
              */
             not_judged: number;
             /**
              * Not Measurable
-             * @description Those of them without such a one, but with one of which the run does not tell whether that driver avoids it.
+             * @description Simulations without such a one, but with a violation at fault of which the run does not tell whether that driver avoids it. This and the next five count violations of the campaign's oracles, whether they are failures or not, by their strongest.
              */
             not_measurable: number;
             /**
@@ -7657,6 +7850,11 @@ export interface components {
              * @description The method's own time over that of the runs.
              */
             readonly own_share: number;
+            /**
+             * Preventable
+             * @description Simulations with violations at the fault of others alone, one that a careful and competent driver of the ego avoids.
+             */
+            preventable: number;
             /**
              * Redrawn Share
              * @description Mutants that were drawn again, as they could not change the run of any ego, over these and all candidates with a parent; `None` without any.
@@ -7694,7 +7892,7 @@ export interface components {
             time_limit_s?: number | null;
             /**
              * Unavoidable
-             * @description Those of them in which that driver avoids none.
+             * @description Simulations with violations at fault in which that driver avoids none.
              */
             unavoidable: number;
             /**
@@ -7704,7 +7902,7 @@ export interface components {
             unchanged_share?: number | null;
             /**
              * Undetermined
-             * @description Simulations in which the fault of no failure can be determined.
+             * @description Simulations in which the fault of no violation can be determined.
              */
             undetermined: number;
         };
@@ -8678,6 +8876,12 @@ export interface components {
                 [key: string]: unknown;
             };
             /**
+             * Follows
+             * @description Oracle of the ego's violation that this one only follows from; empty: of none.
+             * @default
+             */
+            follows: string;
+            /**
              * Location
              * @description (x, y) in metres at that time.
              */
@@ -9180,6 +9384,10 @@ export interface operations {
                 agent_parameter?: string[] | null;
                 /** @description Seed that overrides the document's. */
                 seed?: number | null;
+                /** @description The violations that are failures of the runs. */
+                counts?: components["schemas"]["Counted"];
+                /** @description Only violations of this oracle are failures of the runs, observations included; may be repeated. Without it, those of all but observations. */
+                count_oracle?: string[] | null;
             };
             header?: {
                 /** @description Name of this request, chosen by the client; sent again with the same body, it is answered as the first time and nothing is done twice. */
@@ -9571,11 +9779,11 @@ export interface operations {
                 a: string;
                 /** @description Id or name of batch B. */
                 b: string;
-                /** @description The violations that are failures. */
-                counts?: components["schemas"]["Counted"];
+                /** @description The violations that are failures, in place of what was defined for the runs when they were posted. */
+                counts?: components["schemas"]["Counted"] | null;
                 /** @description The runs without a judgement that are failures. */
                 unfinished?: components["schemas"]["Unfinished"];
-                /** @description Only failures by this oracle count, observations included; may be repeated. */
+                /** @description Only violations of this oracle are failures, observations included; may be repeated. In place of what was defined, as `counts`. */
                 oracle?: string[] | null;
                 /** @description Metric to compare, and to show of each run; may be repeated. Without it, all are compared, and the driving score is shown. */
                 metric?: string[] | null;
@@ -11220,6 +11428,8 @@ export interface operations {
                 batch?: string;
                 /** @description Whether it happened again, in a campaign. */
                 confirmation?: components["schemas"]["Confirmation"] | null;
+                /** @description The violations that are failures; without it, and without `accountability` and `at_fault`, those that were defined as such for their run or campaign. A campaign keeps only what it counts. */
+                counts?: components["schemas"]["Counted"] | null;
                 /** @description Found at this time or later. */
                 since?: string | null;
                 /** @description Found before this time. */
@@ -11315,6 +11525,8 @@ export interface operations {
                 batch?: string;
                 /** @description Whether it happened again, in a campaign. */
                 confirmation?: components["schemas"]["Confirmation"] | null;
+                /** @description The violations that are failures; without it, and without `accountability` and `at_fault`, those that were defined as such for their run or campaign. A campaign keeps only what it counts. */
+                counts?: components["schemas"]["Counted"] | null;
                 /** @description Found at this time or later. */
                 since?: string | null;
                 /** @description Found before this time. */
@@ -11840,6 +12052,91 @@ export interface operations {
             };
         };
     };
+    count_failures_api_v1_failures_counts_get: {
+        parameters: {
+            query?: {
+                /** @description Of this oracle. */
+                oracle?: string;
+                /** @description Of the group of this id. */
+                group?: string;
+                /** @description By the fault of an ego, or not. */
+                at_fault?: boolean | null;
+                /** @description For which an ego is accountable so far; `avoidable`: its fault. */
+                accountability?: components["schemas"]["Accountability"] | null;
+                /** @description Of this agent. */
+                agent?: string;
+                /** @description Of the agents with all their parameters that have this `configuration_id`. */
+                configuration?: string;
+                /** @description On this network. */
+                town?: string;
+                /** @description Found by this campaign. */
+                campaign?: string;
+                /** @description Found by a campaign of this study. */
+                study?: string;
+                /** @description Of runs of this batch, outside campaigns. */
+                batch?: string;
+                /** @description Whether it happened again, in a campaign. */
+                confirmation?: components["schemas"]["Confirmation"] | null;
+                /** @description The violations that are failures; without it, and without `accountability` and `at_fault`, those that were defined as such for their run or campaign. A campaign keeps only what it counts. */
+                counts?: components["schemas"]["Counted"] | null;
+                /** @description Found at this time or later. */
+                since?: string | null;
+                /** @description Found before this time. */
+                until?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FoundCounts"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     list_jobs_api_v1_jobs_get: {
         parameters: {
             query?: {
@@ -11869,6 +12166,8 @@ export interface operations {
                 accountability?: components["schemas"]["Accountability"] | null;
                 /** @description With, or without, any violation. */
                 violated?: boolean | null;
+                /** @description With, or without, a failure by the definition with which it was posted. */
+                failing?: boolean | null;
                 /** @description Of this scenario. */
                 scenario_sha256?: string;
                 /** @description Submitted at this time or later. */
@@ -11940,6 +12239,10 @@ export interface operations {
                 agent_parameter?: string[] | null;
                 /** @description Seed that overrides the document's. */
                 seed?: number | null;
+                /** @description The violations that are failures of the runs. */
+                counts?: components["schemas"]["Counted"];
+                /** @description Only violations of this oracle are failures of the runs, observations included; may be repeated. Without it, those of all but observations. */
+                count_oracle?: string[] | null;
             };
             header?: {
                 /** @description Name of this request, chosen by the client; sent again with the same body, it is answered as the first time and nothing is done twice. */
@@ -12866,6 +13169,8 @@ export interface operations {
                 accountability?: components["schemas"]["Accountability"] | null;
                 /** @description With, or without, any violation. */
                 violated?: boolean | null;
+                /** @description With, or without, a failure by the definition with which it was posted. */
+                failing?: boolean | null;
                 /** @description Of this scenario. */
                 scenario_sha256?: string;
                 /** @description Submitted at this time or later. */
@@ -13629,6 +13934,8 @@ export interface operations {
                 accountability?: components["schemas"]["Accountability"] | null;
                 /** @description With, or without, any violation. */
                 violated?: boolean | null;
+                /** @description With, or without, a failure by the definition with which it was posted. */
+                failing?: boolean | null;
                 /** @description Of this scenario. */
                 scenario_sha256?: string;
                 /** @description Submitted at this time or later. */
@@ -15224,6 +15531,8 @@ export interface operations {
                 accountability?: components["schemas"]["Accountability"] | null;
                 /** @description With, or without, any violation. */
                 violated?: boolean | null;
+                /** @description With, or without, a failure by the definition with which it was posted. */
+                failing?: boolean | null;
                 /** @description Of this scenario. */
                 scenario_sha256?: string;
                 /** @description Submitted at this time or later. */

@@ -133,7 +133,7 @@ function Player({
   return (
     <>
       <VerdictLine
-        verdicts={run.verdicts}
+        run={run}
         untilOf={avoidableUntil}
         onMoment={(time) => {
           clock.pause();

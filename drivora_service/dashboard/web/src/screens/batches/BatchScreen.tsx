@@ -83,6 +83,14 @@ function Answer({ batch }: { readonly batch: Batch }) {
           </Link>
         </>
       )}
+      {batch.failing_runs > 0 && (
+        <>
+          {" · "}
+          <Link to="/failures" search={{ batch: batch.id }}>
+            {count(batch.failing_runs)} failing
+          </Link>
+        </>
+      )}
       {notJudged > 0 && ` · ${count(notJudged)} not judged`}
     </p>
   );

@@ -107,17 +107,21 @@ function Tables({ id }: { readonly id: string }) {
   );
 }
 
+/** Simulations that are apart from the avoidable ones by the strongest of their violations. */
+function beside(counts: Schemas["CampaignCounts"]): string {
+  const parts = [
+    [counts.unavoidable, "at fault but not avoidable"],
+    [counts.undetermined, "of undetermined fault"],
+    [counts.preventable, "not at fault, but avoidable"],
+  ] as const;
+  const told = parts.flatMap(([number, words]) => (number ? [`${count(number)} ${words}`] : []));
+  return told.length > 0 ? `; simulations ${told.join(", ")}` : "";
+}
+
 /** How the search stands, in one sentence. */
 function Answer({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
   const { counts, simulations, kinds } = campaign;
   const lost = counts.failed + counts.invalid;
-  const others =
-    counts.avoidable === null
-      ? 0
-      : counts.violating -
-        counts.avoidable -
-        (counts.unavoidable ?? 0) -
-        (counts.undetermined ?? 0);
   const filter = (accountability: string) => ({ tab: "failures", accountability });
   return (
     <p className="answer">
@@ -138,25 +142,9 @@ function Answer({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
             {counts.avoidable === null ? "an unknown number" : count(counts.avoidable)} at fault and
             avoidable
           </Link>
-          {counts.unavoidable ? (
-            <>
-              ,{" "}
-              <Link to="." search={filter("unavoidable")} resetScroll={false}>
-                {count(counts.unavoidable)} at fault but not avoidable
-              </Link>
-            </>
-          ) : null}
-          {counts.undetermined ? (
-            <>
-              ,{" "}
-              <Link to="." search={filter("undetermined")} resetScroll={false}>
-                {count(counts.undetermined)} undetermined
-              </Link>
-            </>
-          ) : null}
-          {others > 0 && `, ${count(others)} without fault of an ego`}
         </>
       )}
+      {beside(counts)}
       {lost > 0 && (
         <>
           {"; "}

@@ -27,7 +27,7 @@ export function Found({ campaign }: { readonly campaign: Schemas["Campaign"] }) 
           ...random.failing,
         },
         {
-          name: "Random, that count",
+          name: "Random, avoidable",
           look: random.avoidable.high.some((number) => number > 0) ? "bad" : "other",
           x: random.at,
           ...random.avoidable,
@@ -41,7 +41,7 @@ export function Found({ campaign }: { readonly campaign: Schemas["Campaign"] }) 
       note={
         random
           ? "Solid: this campaign. Dashed with a band: median and quartiles of Random on the same scenario with the same ADS."
-          : "Simulations with a failure so far. Those that count: an ego was at fault, and a careful and competent driver avoids it."
+          : "Simulations with a failure so far. Avoidable ones: an ego was at fault, and a careful and competent driver avoids it."
       }
       file={`${campaign.id}-discoveries`}
       numbers={numbers}
@@ -77,7 +77,7 @@ function curvesOf(found: Discoveries) {
   return [
     { name: "any failure", look: "other", x, y: whole(all) },
     {
-      name: "that count",
+      name: "avoidable",
       look: found.avoidable.some((number) => number > 0) ? "bad" : "other",
       x,
       y: whole(found.avoidable),
@@ -95,7 +95,7 @@ function numbersOf(found: Discoveries): Numbers {
   return {
     columns: [
       "simulations",
-      "failures that count",
+      "avoidable failures",
       "other failures",
       "kinds",
       ...found.oracles.map(({ name }) => name),

@@ -2,12 +2,10 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { api, body, type Schemas } from "../../api/client";
 import { count } from "../../components/numbers";
-import { plain } from "../failures/words";
 
 /** Which oracles the campaign counts: its runs are judged by all, and the second runs are among them. */
 export function Judged({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
-  const { id, document } = campaign;
-  const oracles = Array.isArray(document.oracles) ? document.oracles.map(String) : [];
+  const { id, definition } = campaign;
   const { data } = useQuery({
     queryKey: ["run", "list", "counts", { campaign: id }],
     queryFn: async () =>
@@ -15,9 +13,7 @@ export function Judged({ campaign }: { readonly campaign: Schemas["Campaign"] })
   });
   return (
     <p className="answer quiet">
-      {oracles.length > 0
-        ? `It counts violations of ${oracles.map(plain).join(", ")}. `
-        : "It counts violations of all oracles. "}
+      {`It counts ${definition.words}. `}
       <Link to="/runs" search={{ campaign: id }}>
         Its runs
       </Link>{" "}

@@ -71,7 +71,7 @@ export function Objectives({ campaign }: { readonly campaign: Schemas["Campaign"
           title={`${plain(yName)} by ${plain(xName)}`}
           note={
             <>
-              Smaller is better for the search. Crosses: failures that count; triangles: other
+              Smaller is better for the search. Crosses: avoidable failures; triangles: other
               failures; dots: none. A click opens an evaluation.
               {missing > 0 && ` ${missing} evaluations without a measurable value are left out.`}
               {more && ` Only the first ${MOST} are shown.`}

@@ -40,7 +40,7 @@ export function CurvesTogether({
       </label>
       <Figure
         level={2}
-        title={all ? "Failures against simulations" : "Failures that count against simulations"}
+        title={all ? "Failures against simulations" : "Avoidable failures against simulations"}
         note={campaigns.length > SHOWN ? `The first ${SHOWN} campaigns.` : undefined}
         file="campaigns"
         numbers={{

@@ -31,7 +31,7 @@ const FACTS: readonly Fact[] = [
     of: ({ simulations, budget }) => `${count(simulations)} of ${count(budget)}`,
   },
   {
-    title: "With a failure that counts",
+    title: "With an avoidable failure",
     numeric: true,
     of: ({ counts }) => (counts.avoidable === null ? "unknown" : count(counts.avoidable)),
     show: ({ id, counts }) =>

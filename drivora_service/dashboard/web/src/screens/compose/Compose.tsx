@@ -6,7 +6,7 @@ import { useScope } from "../../shell/session";
 import { BudgetSection } from "./BudgetSection";
 import { type Beginning, useBeginning } from "./beginning";
 import { type Catalogues, presetOptions, useCatalogues } from "./catalogues";
-import { countedOracles, countingViolated } from "./counting";
+import { countedOracles, countingAsDefined } from "./counting";
 import { DocumentView } from "./DocumentView";
 import { type Draft, documentOf, emptyDraft, type Kind, nameOf, withSetting } from "./draft";
 import type { Form } from "./form";
@@ -120,7 +120,7 @@ function Loaded<Answer>({
 }
 
 function firstDraft(kind: Kind, catalogues: Catalogues, { scenarios, stored }: Beginning): Draft {
-  if (!stored) return countingViolated(catalogues, { ...emptyDraft(kind), scenarios });
+  if (!stored) return countingAsDefined({ ...emptyDraft(kind), scenarios });
   const { definitions, presets } = catalogues;
   const { document, label } = stored;
   return draftOf(kind, document, { definitions, presets: presetOptions(presets), label });

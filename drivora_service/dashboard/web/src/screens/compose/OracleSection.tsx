@@ -1,7 +1,8 @@
 import type { Schemas } from "../../api/client";
+import { COUNTED_WORDS, countedOf } from "../../components/definition";
 import { Problems } from "../../components/fields/Field";
 import { plain } from "../failures/words";
-import { countedOracles, violatedBeside, withCounted } from "./counting";
+import { countedOracles, withCounted } from "./counting";
 import type { Form } from "./form";
 import { Folded, Section } from "./Section";
 
@@ -12,8 +13,11 @@ export function OracleSection({ form }: { readonly form: Form }) {
   const { catalogues, draft } = form;
   const { oracles } = catalogues;
   const chosen = countedOracles(catalogues, draft);
-  const violated = violatedBeside(catalogues, draft);
-  const problems = form.problemsOf("/oracles", { inside: true });
+  const problems = [
+    ...form.problemsOf("/counts"),
+    ...form.problemsOf("/oracles", { inside: true }),
+  ];
+  const counts = countedOf(String(draft.settings.counts ?? "")) ?? "accountable";
   const toggle = (name: string) => {
     const next = chosen.includes(name) ? chosen.filter((one) => one !== name) : [...chosen, name];
     form.change((now) => withCounted(catalogues, now, next));
@@ -27,18 +31,33 @@ export function OracleSection({ form }: { readonly form: Form }) {
       says="all oracles judge every run"
       problems={[]}
     >
+      <label className="one">
+        Violations
+        <select
+          value={counts}
+          onChange={({ target }) =>
+            form.set("/counts", target.value === "accountable" ? undefined : target.value)
+          }
+        >
+          {Object.entries(COUNTED_WORDS).map(([value, words]) => (
+            <option key={value} value={value}>
+              {words}
+            </option>
+          ))}
+        </select>
+      </label>
       <p>
-        {chosen.length === 0 ? "Nothing counts." : `A violation of ${listed(chosen.map(plain))}.`}{" "}
+        {chosen.length === 0
+          ? "Nothing counts."
+          : draft.settings.oracles === undefined
+            ? "Of all oracles but observations."
+            : `Of ${listed(chosen.map(plain))}.`}{" "}
         {draft.settings.oracles !== undefined && (
           <button type="button" className="clear" onClick={() => form.set("/oracles", undefined)}>
             Back to the default
           </button>
         )}
       </p>
-      <Violated
-        counted={violated.filter((name) => chosen.includes(name))}
-        left={violated.filter((name) => !chosen.includes(name))}
-      />
       <Problems problems={problems} />
       <Folded title="Oracles" says={`${count(others, chosen)} of ${others.length} count`}>
         <Checks oracles={others} chosen={chosen} onToggle={toggle} />
@@ -49,33 +68,6 @@ export function OracleSection({ form }: { readonly form: Form }) {
         </Folded>
       )}
     </Section>
-  );
-}
-
-/** What the runs of the scenarios violated, beside what counts by default. */
-function Violated({
-  counted,
-  left,
-}: {
-  readonly counted: readonly string[];
-  readonly left: readonly string[];
-}) {
-  return (
-    <>
-      {counted.length > 0 && (
-        <p className="quiet">
-          {sentence(listed(counted.map(plain), "and"))} {counted.length === 1 ? "counts" : "count"},
-          too: the run of the scenario violated {counted.length === 1 ? "it" : "them"} at an ego's
-          fault.
-        </p>
-      )}
-      {left.length > 0 && (
-        <p className="quiet">
-          The run of the scenario violated {listed(left.map(plain), "and")} at an ego's fault, which
-          {left.length === 1 ? " does" : " do"} not count.
-        </p>
-      )}
-    </>
   );
 }
 
@@ -112,11 +104,7 @@ function count(oracles: readonly Oracle[], chosen: readonly string[]): number {
   return oracles.filter(({ name }) => chosen.includes(name)).length;
 }
 
-function listed(words: readonly string[], last = "or"): string {
+function listed(words: readonly string[]): string {
   if (words.length < 2) return words.join("");
-  return `${words.slice(0, -1).join(", ")} ${last} ${words.at(-1)}`;
-}
-
-function sentence(words: string): string {
-  return `${words.charAt(0).toUpperCase()}${words.slice(1)}`;
+  return `${words.slice(0, -1).join(", ")} or ${words.at(-1)}`;
 }

@@ -1,7 +1,7 @@
 import { type DragEvent, useState } from "react";
 import { fieldId, Problems } from "../../components/fields/Field";
 import { readDocument } from "../../documents/files";
-import { countingViolated } from "./counting";
+import { countingAsDefined } from "./counting";
 import { type FoundScenario, type SeedScenario, scenarioPointer, withScenario } from "./draft";
 import type { Form } from "./form";
 import { ScenarioSources } from "./ScenarioSources";
@@ -25,7 +25,7 @@ export function ScenarioSection({
     setRefusals([]);
     change((now) => {
       const next = { ...now, scenarios: added.reduce(withScenario, now.scenarios) };
-      return countingViolated(form.catalogues, next, now);
+      return countingAsDefined(next);
     });
   };
   const addFiles = async (files: readonly File[]) => {

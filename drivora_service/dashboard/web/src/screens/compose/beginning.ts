@@ -2,7 +2,6 @@ import { useQuery } from "@tanstack/react-query";
 import { firstOf, type Search, stringifySearch, valuesOf } from "../../address";
 import { api, body } from "../../api/client";
 import { isObject, type JsonObject } from "../../components/fields/pointers";
-import { violatedAtFault } from "./counting";
 import { type FoundScenario, type Kind, type SeedScenario, withScenario } from "./draft";
 import { townOf } from "./scenarioWords";
 
@@ -65,23 +64,23 @@ export async function ofRun(id: string): Promise<FoundScenario> {
     api.GET("/api/v1/runs/{run_id}/scenario", { params }),
   ]);
   const document = body(scenario) as unknown as JsonObject;
-  const { label, town, verdicts } = body(run);
+  const { label, town, definition } = body(run);
   return {
     label: label || town,
     origin: `of run ${id}`,
     document,
     run: id,
-    violated: violatedAtFault(verdicts),
+    definition,
   };
 }
 
 /** Reads the scenario of an evaluation. */
 export async function ofEvaluation(campaign: string, evaluation: string): Promise<FoundScenario> {
   const params = { path: { campaign_id: campaign, number: Number(evaluation) } };
-  const path = "/api/v1/campaigns/{campaign_id}/evaluations/{number}";
-  const [told, scenario] = await Promise.all([
+  const path = "/api/v1/campaigns/{campaign_id}/evaluations/{number}/scenario";
+  const [searched, scenario] = await Promise.all([
+    api.GET("/api/v1/campaigns/{campaign_id}", { params: { path: { campaign_id: campaign } } }),
     api.GET(path, { params }),
-    api.GET(`${path}/scenario`, { params }),
   ]);
   const document = body(scenario) as unknown as JsonObject;
   return {
@@ -89,7 +88,7 @@ export async function ofEvaluation(campaign: string, evaluation: string): Promis
     origin: `of evaluation ${evaluation} of a campaign`,
     document,
     run: `${campaign}-${evaluation}`,
-    violated: violatedAtFault(body(told).verdicts),
+    definition: body(searched).definition,
   };
 }
 
@@ -136,7 +135,7 @@ async function handedOver(text: string, from: string): Promise<Found> {
     typeof run === "string" && run ? await ofRun(run).catch(() => undefined) : undefined;
   return {
     scenarios: together([
-      edited ? { ...scenario, run: edited.run, violated: edited.violated } : scenario,
+      edited ? { ...scenario, run: edited.run, definition: edited.definition } : scenario,
     ]),
   };
 }

@@ -1,14 +1,13 @@
 import type { Schemas } from "../../api/client";
-import { propertiesOf } from "../../components/fields/jsonSchema";
 import { isSame } from "../../components/fields/typed";
 import type { Catalogues } from "./catalogues";
 import type { Draft } from "./draft";
 
-type Known = Pick<Catalogues, "definitions" | "oracles">;
+type Known = Pick<Catalogues, "oracles">;
 
-/** Returns the oracles that count where a document names none. */
-export function standardOracles({ definitions }: Pick<Known, "definitions">): readonly string[] {
-  return namesIn(propertiesOf(definitions.CampaignDocument, definitions).oracles?.default);
+/** Returns the oracles that count where a document names none: all but observations. */
+export function standardOracles({ oracles }: Known): readonly string[] {
+  return oracles.filter(({ severity }) => severity !== "observation").map(({ name }) => name);
 }
 
 /** Returns the oracles whose violations count in a draft. */
@@ -24,36 +23,24 @@ export function withCounted(known: Known, draft: Draft, names: readonly string[]
   return { ...draft, settings };
 }
 
-/** Returns the oracles that the runs of the draft's scenarios violated, and that do not count by default. */
-export function violatedBeside(known: Known, { scenarios }: Draft): readonly string[] {
-  const standard = standardOracles(known);
-  const found = scenarios.flatMap(({ violated = [] }) => violated);
-  return [...new Set(found)].filter((name) => !standard.includes(name));
-}
-
 /**
- * Returns a draft in which the oracles that the runs of new scenarios violated count as well: a
- * search from a failure finds the same failure again.
+ * Returns a draft that counts what was defined for the runs of its scenarios: a search from a
+ * failure finds the same failure again. What the draft says itself stays.
  */
-export function countingViolated(known: Known, draft: Draft, before?: Draft): Draft {
-  const old = before ? violatedBeside(known, before) : [];
-  const counted = countedOracles(known, draft);
-  const added = violatedBeside(known, draft).filter(
-    (name) => !old.includes(name) && !counted.includes(name),
-  );
-  return added.length === 0 ? draft : withCounted(known, draft, [...counted, ...added]);
+export function countingAsDefined(draft: Draft): Draft {
+  const { counts, oracles } = draft.settings;
+  const defined = draft.scenarios.flatMap(({ definition }) => definition ?? [])[0];
+  if (!defined || counts !== undefined || oracles !== undefined) return draft;
+  const settings = {
+    ...draft.settings,
+    ...(defined.counts && defined.counts !== "accountable" ? { counts: defined.counts } : {}),
+    ...(defined.oracles ? { oracles: [...defined.oracles] } : {}),
+  };
+  return { ...draft, settings };
 }
 
-/** Returns the oracles that an ego violated at its fault, each once; observations are none. */
-export function violatedAtFault(
-  verdicts: readonly Pick<Schemas["Verdict"], "oracle" | "outcome" | "severity" | "at_fault">[],
-): readonly string[] {
-  const found = verdicts.filter(
-    ({ outcome, severity, at_fault }) =>
-      outcome === "violated" && severity !== "observation" && at_fault === true,
-  );
-  return [...new Set(found.map(({ oracle }) => oracle))];
-}
+/** What was defined as a failure for a run. */
+export type Defined = Pick<Schemas["StatedDefinition"], "counts" | "oracles">;
 
 function namesIn(value: unknown): readonly string[] {
   return Array.isArray(value) ? value.map(String) : [];

@@ -1,4 +1,5 @@
 import { type Json, type JsonObject, valueAt, withValue } from "../../components/fields/pointers";
+import type { Defined } from "./counting";
 
 /** A scenario from which a search begins. */
 export interface SeedScenario {
@@ -11,8 +12,8 @@ export interface SeedScenario {
   readonly space?: JsonObject | undefined;
   /** The id of the run that drove it. */
   readonly run?: string | undefined;
-  /** Oracles that this run violated at an ego's fault. */
-  readonly violated?: readonly string[] | undefined;
+  /** What was defined as a failure for this run. */
+  readonly definition?: Defined | undefined;
 }
 
 /** A scenario before it has its place in a form. */
@@ -40,6 +41,7 @@ const ORDER = [
   "repetitions",
   "space",
   "budget",
+  "counts",
   "oracles",
   "seed",
   "workers",

@@ -2,7 +2,8 @@ import { useQuery } from "@tanstack/react-query";
 import { Link, useNavigate, useSearch } from "@tanstack/react-router";
 import { useState } from "react";
 import { firstOf, type Search } from "../../address";
-import { api, body } from "../../api/client";
+import { api, body, type Schemas } from "../../api/client";
+import { definitionSentence } from "../../components/definition";
 import { Filters } from "../../components/Filters";
 import { askedBy } from "../../components/filterValues";
 import { count } from "../../components/numbers";
@@ -118,7 +119,7 @@ function Groups({
       {hasBaseline ? (
         <SinceAnswer filters={filters} search={search} />
       ) : (
-        <CountAnswer groups={rows} all={all} search={search} />
+        <CountAnswer groups={rows} all={all} filters={filters} search={search} />
       )}
       <div className="with-news">
         <News news={news} onInsert={insertNews} />
@@ -142,21 +143,41 @@ interface AnswerProps {
   readonly groups: readonly Group[];
   /** Whether there are no more than these. */
   readonly all: boolean;
+  readonly filters: Asked;
   readonly search: Search;
 }
 
-function CountAnswer({ groups, all, search }: AnswerProps) {
-  const sum = (of: (group: Group) => number) => groups.reduce((total, one) => total + of(one), 0);
+/** How many failures there are, in how many runs, and what they count. */
+function CountAnswer({ groups, all, filters, search }: AnswerProps) {
+  const { status: _, assignee: __, ...query } = filters;
+  const { data } = useQuery({
+    queryKey: ["group", "counts", query],
+    queryFn: async () =>
+      body(await api.GET("/api/v1/failures:counts", { params: { query: { ...query } } })),
+  });
+  if (!data) return null;
+  const { failures, avoidable, preventable, runs, definition } = data;
   return (
     <p className="answer">
-      {count(groups.length)}
-      {all ? "" : " or more"} groups, the last seen first:{" "}
+      {count(failures)} failures
+      {runs !== null && ` in ${count(runs)} ${runs === 1 ? "run" : "runs"}`}, {count(groups.length)}
+      {all ? "" : " or more"} groups:{" "}
       <Link to="." search={{ ...search, accountability: "avoidable" }}>
-        {count(sum(({ avoidable }) => avoidable))} failures that count
-      </Link>{" "}
-      and {count(sum(({ others }) => others))} others.
+        {count(avoidable)} at fault and avoidable
+      </Link>
+      ,{" "}
+      <Link to="." search={{ ...search, accountability: "preventable" }}>
+        {count(preventable)} not at fault, but avoidable
+      </Link>
+      . <span className="quiet">{definitionOf(definition)}</span>
     </p>
   );
+}
+
+function definitionOf(definition: Schemas["FoundCounts"]["definition"]): string {
+  return definition
+    ? definitionSentence(definition)
+    : "Each suite, campaign or request defines what its failures are; Counts switches that.";
 }
 
 const SINCE_WORDS: Readonly<Record<Since, string>> = {
@@ -190,7 +211,7 @@ function SinceAnswer({ filters, search }: { readonly filters: Asked; readonly se
           <Link to="." search={{ ...search, since_baseline: since }}>
             {count(of(since).length)} {SINCE_WORDS[since]}
           </Link>
-          {since === "new" && ` (${count(counting)} with failures that count)`}
+          {since === "new" && ` (${count(counting)} with avoidable ones)`}
         </span>
       ))}
       .

@@ -1,4 +1,5 @@
 import { configurationFilter } from "../../components/configuration";
+import { COUNTED_WORDS } from "../../components/definition";
 import type { Filter } from "../../components/filterValues";
 import { ACCOUNTABILITY_WORDS } from "../runs/filters";
 import { SINCE, SINCES, STATUS, STATUSES } from "./triage";
@@ -17,6 +18,14 @@ export function failureFilters(
       values: Object.keys(ACCOUNTABILITY_WORDS),
       words: ACCOUNTABILITY_WORDS,
       single: true,
+    },
+    {
+      name: "counts",
+      title: "Counts",
+      values: Object.keys(COUNTED_WORDS),
+      words: COUNTED_WORDS,
+      single: true,
+      hint: "In place of what the suite, campaign or request of a run defined as a failure",
     },
     { name: "oracle", title: "Oracle", values: oracles, single: true },
     {

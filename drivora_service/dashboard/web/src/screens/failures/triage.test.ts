@@ -15,9 +15,13 @@ it("a fixed group that was found again stands out", () => {
 });
 
 it("counts say how many count", () => {
-  expect(countWords({ failures: 12, avoidable: 3 })).toBe("3 of 12 count");
-  expect(countWords({ failures: 12, avoidable: 0 })).toBe("12, none counts");
-  expect(countWords({ failures: 0, avoidable: 0 })).toBe("none left");
+  const none = { avoidable: 0, preventable: 0 };
+  expect(countWords({ ...none, failures: 12, avoidable: 3 })).toBe("12 failures, 3 avoidable");
+  expect(countWords({ ...none, failures: 1 })).toBe("1 failure");
+  expect(countWords({ ...none, failures: 5, preventable: 2 })).toBe(
+    "5 failures, 2 not at fault, but avoidable",
+  );
+  expect(countWords({ ...none, failures: 0 })).toBe("none left");
 });
 
 it("changes are told in words", () => {

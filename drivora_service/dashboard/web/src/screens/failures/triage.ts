@@ -37,12 +37,19 @@ export function titleOf({ label, names }: Pick<Group, "label" | "names">): strin
   return label || names.map(groupText).join("; ");
 }
 
-/** Returns how many failures a group has, and how many of them count. */
-export function countWords({ failures, avoidable }: Pick<Group, "failures" | "avoidable">): string {
+/** Returns how many failures a group has, and how many of them a careful driver avoids. */
+export function countWords({
+  failures,
+  avoidable,
+  preventable,
+}: Pick<Group, "failures" | "avoidable" | "preventable">): string {
   if (failures === 0) return "none left";
-  return avoidable > 0
-    ? `${count(avoidable)} of ${count(failures)} count`
-    : `${count(failures)}, none counts`;
+  const parts = [
+    `${count(failures)} ${failures === 1 ? "failure" : "failures"}`,
+    ...(avoidable > 0 ? [`${count(avoidable)} avoidable`] : []),
+    ...(preventable > 0 ? [`${count(preventable)} not at fault, but avoidable`] : []),
+  ];
+  return parts.join(", ");
 }
 
 /** Returns one change of a group in words. */

@@ -10,6 +10,7 @@ export const ACCOUNTABILITY: Readonly<Record<Accountability, MarkLook>> = {
   undetermined: { sign: "?", tone: "lost", text: "fault undetermined" },
   not_measurable: { sign: "?", tone: "lost", text: "at fault, avoidability not measurable" },
   not_judged: { sign: "◇", tone: "quiet", text: "fault not judged" },
+  preventable: { sign: "◑", tone: "lost", text: "not at fault, but avoidable" },
   not_at_fault: { sign: "○", tone: "quiet", text: "not at fault" },
 };
 

@@ -3,6 +3,7 @@ import { Link, useSearch } from "@tanstack/react-router";
 import { firstOf, type Search } from "../../address";
 import { api, body, type Schemas } from "../../api/client";
 import { Choice } from "../../components/Choice";
+import { COUNTED_CHOICES, countedOf, definitionSentence } from "../../components/definition";
 import { Empty, Loading, Refused } from "../../components/States";
 import { csvLines, storeFile } from "../../lists/csv";
 import { useTitle } from "../../shell/useTitle";
@@ -17,11 +18,6 @@ import "./paired.css";
 
 const ASK_AGAIN_MS = 5_000;
 
-const COUNTS = [
-  { value: "accountable", text: "that an ego is accountable for" },
-  { value: "at_fault", text: "also those not avoidable" },
-  { value: "any", text: "any violation" },
-] as const;
 const UNFINISHED = [
   { value: "agent", text: "if the ADS ended them" },
   { value: "all", text: "always" },
@@ -41,7 +37,7 @@ export function PairedBatches() {
   const search = useSearch({ from: "/compare/batches" });
   const a = firstOf(search, "a");
   const b = firstOf(search, "b");
-  const counts = oneOf(COUNTS, firstOf(search, "counts"));
+  const counts = countedOf(firstOf(search, "counts"));
   const unfinished = oneOf(UNFINISHED, firstOf(search, "unfinished"));
   const query = useQuery({
     queryKey: ["batch", b, "compared", a, counts, unfinished],
@@ -105,12 +101,13 @@ function Loaded({ found, search }: { readonly found: Comparison; readonly search
         {found.sentence}
       </p>
       <Notes notes={found.notes} />
+      <p className="quiet">{definitionSentence(found.definition)}</p>
       <div className="filters">
         <Choice
           name="counts"
           title="Failures are violations"
-          value={found.counts}
-          options={COUNTS}
+          value={countedOf(firstOf(search, "counts")) ?? ""}
+          options={COUNTED_CHOICES}
           search={search}
         />
         <Choice

@@ -6,7 +6,7 @@ import { fixed } from "../../components/numbers";
 import { lookOfRun } from "../runs/status";
 import { avoidableUntil } from "./avoidable";
 import { type Pace, type Parting, partingWords } from "./difference";
-import { blameWords, gravestFirst, oracleName, toneOf } from "./verdictWords";
+import { blameWords, failuresOf, gravestFirst, oracleName, toneOf } from "./verdictWords";
 import "./compare.css";
 
 type Put = (changes: Record<string, string | undefined>) => void;
@@ -97,7 +97,10 @@ export function CompareLine({
 
 /** The gravest violation of the other run, as its verdict says it. */
 function Gravest({ run }: { readonly run: Schemas["Run"] }) {
-  const gravest = gravestFirst(run.verdicts).find(({ severity }) => severity !== "observation");
+  const failures = failuresOf(run);
+  const gravest = gravestFirst(run.verdicts, failures).find(
+    (one) => one.severity !== "observation" || failures.includes(one),
+  );
   if (!gravest) return null;
   const { oracle, ego, message, time } = gravest;
   const blame = blameWords(gravest, avoidableUntil(gravest));

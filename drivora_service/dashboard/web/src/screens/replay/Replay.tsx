@@ -191,7 +191,7 @@ function Player({
 
   return (
     <div className="replay">
-      <VerdictLine verdicts={run.verdicts} untilOf={avoidableUntil} onMoment={jump} />
+      <VerdictLine run={run} untilOf={avoidableUntil} onMoment={jump} />
       {state.beside && (
         <CompareLine
           other={second.run}
@@ -215,7 +215,7 @@ function Player({
           clock={clock}
           violations={timeline?.violations ?? NONE}
           state={state}
-          focus={focusOf(recording.actors, run.verdicts, state.ego)}
+          focus={focusOf(recording.actors, run, state.ego)}
           told={told.data}
           perceived={state.perceived ? perception.data : undefined}
           measuring={measuring}

@@ -10,6 +10,7 @@ import { Empty, Loading, Refused } from "../../components/States";
 import { fileNameOf } from "../../documents/files";
 import { useTitle } from "../../shell/useTitle";
 import { SearchFrom } from "../compose/SearchFrom";
+import { plain } from "../failures/words";
 import { minimizationOf } from "../minimizations/minimization";
 import { lookOfRun } from "../runs/status";
 import { againCommand } from "./againCommand";
@@ -19,7 +20,7 @@ import { Minimised, MinimizeRun } from "./MinimizeRun";
 import { Replay } from "./Replay";
 import { Replays } from "./Replays";
 import { runQuery } from "./runQuery";
-import { blameWords, gravestFirst, oracleName, toneOf } from "./verdictWords";
+import { blameWords, failuresOf, gravestFirst, oracleName, toneOf } from "./verdictWords";
 import "./replay.css";
 
 /** A run: its replay, or why there is none. */
@@ -147,7 +148,7 @@ function NoRecording({ run }: { readonly run: Schemas["Run"] }) {
   if (status === "finished")
     return (
       <>
-        <Verdicts verdicts={run.verdicts} />
+        <Verdicts run={run} />
         <Empty
           title="The run was not recorded, or its recording was pruned"
           command={againCommand(run, window.location.origin)}
@@ -183,9 +184,10 @@ const OUTCOMES: Readonly<Record<Schemas["Outcome"], MarkLook>> = {
 const OBSERVED: MarkLook = { sign: "○", tone: "quiet", text: "observed" };
 
 /** All verdicts of a run without a recording, the violations first. */
-function Verdicts({ verdicts }: { readonly verdicts: readonly Schemas["Verdict"][] }) {
+function Verdicts({ run }: { readonly run: Schemas["Run"] }) {
+  const { verdicts } = run;
   const rows = [
-    ...gravestFirst(verdicts),
+    ...gravestFirst(verdicts, failuresOf(run)),
     ...verdicts.filter(({ outcome }) => outcome === "not_measurable"),
     ...verdicts.filter(({ outcome }) => outcome === "passed"),
   ];
@@ -232,6 +234,9 @@ const VERDICTS: readonly Column<Schemas["Verdict"]>[] = [
     id: "message",
     title: "Finding",
     width: "minmax(240px, 1fr)",
-    cell: ({ message }) => <span title={message}>{message}</span>,
+    cell: ({ message, follows }) => {
+      const text = follows ? `${message} (follows from ${plain(follows)})` : message;
+      return <span title={text}>{text}</span>;
+    },
   },
 ];

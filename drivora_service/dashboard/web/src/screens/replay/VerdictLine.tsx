@@ -1,3 +1,4 @@
+import { useState } from "react";
 import type { Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { fixed } from "../../components/numbers";
@@ -5,6 +6,8 @@ import {
   alike,
   artefactsOf,
   blameWords,
+  failuresOf,
+  followingWords,
   gravestFirst,
   observedWords,
   oracleName,
@@ -17,28 +20,41 @@ const MOST = 6;
 
 /** What the oracles found, the gravest first; a click goes to its moment. */
 export function VerdictLine({
-  verdicts,
+  run,
   untilOf,
   onMoment,
 }: {
-  readonly verdicts: readonly Verdict[];
+  readonly run: Pick<Schemas["Run"], "verdicts" | "failing_verdicts" | "definition">;
   /** Last moment at which a violation could still be avoided, seconds. */
   readonly untilOf: (verdict: Verdict) => number | null;
   readonly onMoment: (time: number) => void;
 }) {
-  const violations = gravestFirst(verdicts);
-  const [first, ...others] = violations.filter(({ severity }) => severity !== "observation");
-  const observed = violations.filter(({ severity }) => severity === "observation");
+  const [isUnfolded, unfold] = useState(false);
+  const { verdicts, definition } = run;
+  const failures = failuresOf(run);
+  const violations = gravestFirst(verdicts, failures);
+  const isFailure = (verdict: Verdict) => failures.includes(verdict);
+  const following = violations.filter((one) => one.follows !== "" && !isFailure(one));
+  const own = violations.filter((one) => !following.includes(one));
+  const [first, ...others] = own.filter((one) => one.severity !== "observation" || isFailure(one));
+  const observed = own.filter((one) => one !== first && !others.includes(one));
   const artefacts = artefactsOf(verdicts);
   const unclear = verdicts.filter(({ outcome }) => outcome === "not_measurable");
-  const rest = alike([...others, ...observed]);
+  const rest = alike([...others, ...observed, ...(isUnfolded ? following : [])]);
   return (
     <div className="verdict-line whole-width">
       {artefacts.map(({ ego, message }) => (
         <Mark key={ego} sign="–" tone="lost" text={`${ego}: ${message}`} />
       ))}
       {first ? (
-        <Violation verdict={first} until={untilOf(first)} onMoment={onMoment} whole />
+        <>
+          <Violation verdict={first} until={untilOf(first)} onMoment={onMoment} whole />
+          {!isFailure(first) && (
+            <span className="quiet" title={definition && `Failures are ${definition.words}`}>
+              does not count as a failure
+            </span>
+          )}
+        </>
       ) : verdicts.length > unclear.length ? (
         <span>
           <Mark sign="✓" tone="good" text="No oracle was violated" />
@@ -62,6 +78,17 @@ export function VerdictLine({
       ))}
       {rest.length > MOST && (
         <span className="quiet">and {rest.length - MOST} oracles more, on the time line</span>
+      )}
+      {following.length > 0 && (
+        <button
+          type="button"
+          className="plain"
+          aria-expanded={isUnfolded}
+          title="They only follow from another violation, and do not count beside it"
+          onClick={() => unfold(!isUnfolded)}
+        >
+          {isUnfolded ? "Fold what follows" : followingWords(following)}
+        </button>
       )}
       {unclear.length > 0 && (
         <span

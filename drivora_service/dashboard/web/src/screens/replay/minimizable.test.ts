@@ -9,6 +9,7 @@ const violation = (oracle: string, part: Partial<Schemas["Verdict"]>) =>
     outcome: "violated",
     severity: "major",
     time: 3,
+    follows: "",
     ...part,
   }) as Schemas["Verdict"];
 
@@ -21,13 +22,27 @@ const id = "01a215ff5460f2a66a7526da";
 
 it("the gravest violation of each oracle can be followed, the gravest first", () => {
   const verdicts = [SLOW, LATE, NEAR, EARLY];
-  expect(minimizable({ id, status: "finished", verdicts })).toEqual([EARLY, SLOW]);
+  const failing_verdicts = [1, 3];
+  expect(minimizable({ id, status: "finished", verdicts, failing_verdicts })).toEqual([
+    EARLY,
+    SLOW,
+  ]);
 });
-it("without an ego at fault, or before the end, there is none", () => {
-  expect(minimizable({ id, status: "finished", verdicts: [SLOW, NEAR] })).toEqual([]);
-  expect(minimizable({ id, status: "running", verdicts: [] })).toEqual([]);
+it("what counts comes before what is graver and does not", () => {
+  const verdicts = [SLOW, LATE];
+  expect(minimizable({ id, status: "finished", verdicts, failing_verdicts: [0] })).toEqual([
+    SLOW,
+    LATE,
+  ]);
+});
+it("without a failure, or before the end, there is none", () => {
+  const verdicts = [SLOW, NEAR];
+  expect(minimizable({ id, status: "finished", verdicts, failing_verdicts: [] })).toEqual([]);
+  expect(minimizable({ id, status: "running", verdicts: [], failing_verdicts: [] })).toEqual([]);
 });
 it("a run of a minimisation leads to it instead", () => {
   const made = `${id}-81f16c3e97bd4fr`;
-  expect(minimizable({ id: made, status: "finished", verdicts: [EARLY] })).toEqual([]);
+  expect(
+    minimizable({ id: made, status: "finished", verdicts: [EARLY], failing_verdicts: [0] }),
+  ).toEqual([]);
 });

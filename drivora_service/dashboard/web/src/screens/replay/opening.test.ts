@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import type { Schemas } from "../../api/client";
 import { cameraOf } from "../../roads/camera";
 import { focusOf, openingBox, type Ways, wholeBox } from "./opening";
 import type { Actor } from "./recording";
@@ -72,16 +73,22 @@ describe("what a map shows when a replay opens", () => {
 describe("the ego that is kept in sight", () => {
   const actors = [{ id: "a" }, { id: "b" }];
   const found = (ego: string, severity: "major" | "observation") =>
-    ({ oracle: "collision", ego, outcome: "violated", severity, at_fault: true }) as Parameters<
-      typeof focusOf
-    >[1][number];
+    ({
+      oracle: "collision",
+      ego,
+      outcome: "violated",
+      severity,
+      at_fault: true,
+      follows: "",
+    }) as Schemas["Verdict"];
+  const of = (...verdicts: Schemas["Verdict"][]) => ({ verdicts, failing_verdicts: [] });
   it("is the chosen one", () => {
-    expect(focusOf(actors, [found("a", "major")], "b")).toBe(1);
+    expect(focusOf(actors, of(found("a", "major")), "b")).toBe(1);
   });
   it("is that of the gravest violation", () => {
-    expect(focusOf(actors, [found("a", "observation"), found("b", "major")], "")).toBe(1);
+    expect(focusOf(actors, of(found("a", "observation"), found("b", "major")), "")).toBe(1);
   });
   it("is the first where nothing was violated", () => {
-    expect(focusOf(actors, [found("b", "observation")], "")).toBe(0);
+    expect(focusOf(actors, of(found("b", "observation")), "")).toBe(0);
   });
 });

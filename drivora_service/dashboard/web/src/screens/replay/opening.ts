@@ -1,7 +1,7 @@
 import type { Schemas } from "../../api/client";
 import { type Box, cameraOf, type Size } from "../../roads/camera";
 import type { Actor, Recording } from "./recording";
-import { gravestFirst } from "./verdictWords";
+import { failuresOf, gravestFirst } from "./verdictWords";
 
 /** What of a recording says where its actors are. */
 export type Ways = Pick<Recording, "x" | "y" | "stepLength" | "loaded" | "egos" | "actors">;
@@ -65,11 +65,13 @@ export function openingBox(ways: Ways, size: Size, from: number, focus: number):
  */
 export function focusOf(
   actors: readonly Pick<Actor, "id">[],
-  verdicts: readonly Schemas["Verdict"][],
+  run: Pick<Schemas["Run"], "verdicts" | "failing_verdicts">,
   chosen: string,
 ): number {
-  const [gravest] = gravestFirst(verdicts);
-  const ego = chosen || (gravest?.severity === "observation" ? "" : gravest?.ego);
+  const failures = failuresOf(run);
+  const [gravest] = gravestFirst(run.verdicts, failures);
+  const isObserved = gravest?.severity === "observation" && !failures.includes(gravest);
+  const ego = chosen || (isObserved ? "" : gravest?.ego);
   return Math.max(
     actors.findIndex(({ id }) => id === ego),
     0,

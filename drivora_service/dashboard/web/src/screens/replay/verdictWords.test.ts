@@ -3,6 +3,8 @@ import {
   alike,
   artefactsOf,
   blameWords,
+  failuresOf,
+  followingWords,
   gravestFirst,
   observedWords,
   oracleName,
@@ -74,6 +76,7 @@ const verdict = (
   location: null,
   counterpart: "",
   evidence: {},
+  follows: "",
 });
 
 it("the gravest violation comes first, observations last", () => {
@@ -91,6 +94,18 @@ it("the gravest violation comes first, observations last", () => {
     "speeding",
     "discomfort",
   ]);
+});
+
+it("what counts comes first, and what only follows behind its cause", () => {
+  const missed = { ...verdict("destination", "minor", null, 9), follows: "collision" };
+  const [slow, hit] = [
+    verdict("speeding", "minor", null, 1),
+    verdict("collision", "major", false, 9),
+  ];
+  expect(gravestFirst([missed, slow, hit])).toEqual([hit, slow, missed]);
+  expect(gravestFirst([missed, hit, slow], [slow])).toEqual([slow, hit, missed]);
+  expect(failuresOf({ verdicts: [missed, slow], failing_verdicts: [1] })).toEqual([slow]);
+  expect(followingWords([missed])).toBe("1 that follows: destination");
 });
 
 it("a collision comes before an earlier violation that did no harm", () => {

@@ -43,18 +43,31 @@ export function toneOf({
 
 const RANK: Readonly<Record<string, number>> = { critical: 0, major: 1, minor: 2, observation: 3 };
 
+/** Returns the violations of a run that are failures by its definition. */
+export function failuresOf({
+  verdicts,
+  failing_verdicts,
+}: Pick<Schemas["Run"], "verdicts" | "failing_verdicts">): readonly Verdict[] {
+  return failing_verdicts.flatMap((place) => verdicts[place] ?? []);
+}
+
 /**
- * Sorts violations, the gravest first: at fault before others, a collision before what did no harm,
- * the earlier of two alike.
+ * Sorts violations, the gravest first: failures before others, what only follows from another one
+ * behind it, at fault before others, a collision before what did no harm, the earlier of two alike.
  */
-export function gravestFirst(verdicts: readonly Verdict[]): readonly Verdict[] {
+export function gravestFirst(
+  verdicts: readonly Verdict[],
+  failures: readonly Verdict[] = [],
+): readonly Verdict[] {
   const harm = ({ oracle }: Verdict) => Number(oracle === "collision");
   const rank = ({ severity }: Verdict) => RANK[severity ?? "major"] ?? 1;
   return verdicts
     .filter(({ outcome }) => outcome === "violated")
     .sort(
       (a, b) =>
+        Number(failures.includes(b)) - Number(failures.includes(a)) ||
         Number(rank(a) === 3) - Number(rank(b) === 3) ||
+        Number(a.follows !== "") - Number(b.follows !== "") ||
         Number(b.at_fault === true) - Number(a.at_fault === true) ||
         rank(a) - rank(b) ||
         harm(b) - harm(a) ||
@@ -68,6 +81,12 @@ export function artefactsOf(verdicts: readonly Verdict[]): readonly Verdict[] {
   return verdicts.filter(
     ({ outcome, evidence }) => outcome === "not_measurable" && evidence?.artefact !== undefined,
   );
+}
+
+/** Returns what follows from other violations, in words: "2 that follow: blocked, destination". */
+export function followingWords(verdicts: readonly Verdict[]): string {
+  const names = verdicts.map(({ oracle }) => oracle.replaceAll("_", " "));
+  return `${verdicts.length} that ${verdicts.length === 1 ? "follows" : "follow"}: ${[...new Set(names)].join(", ")}`;
 }
 
 /** Returns how many observations there are, which by themselves make no run fail. */

@@ -13,6 +13,7 @@ export const ACCOUNTABILITY_WORDS: Readonly<Record<Schemas["Accountability"], st
   unavoidable: "at fault, not avoidable",
   undetermined: "fault undetermined",
   not_judged: "fault not judged",
+  preventable: "not at fault, but avoidable",
   not_at_fault: "not at fault",
 };
 
@@ -37,6 +38,15 @@ export function runFilters(
       words: { true: "with a violation", false: "passed" },
       single: true,
       counts: counts && { true: counts.violated, false: counts.not_violated },
+    },
+    {
+      name: "failing",
+      title: "Failures",
+      values: ["true", "false"],
+      words: { true: "with a failure", false: "without one" },
+      single: true,
+      counts: counts && { true: counts.failing, false: counts.not_failing },
+      hint: "By what the suite, campaign or request of a run defined as a failure",
     },
     {
       name: "oracle",
@@ -125,6 +135,8 @@ export interface Names {
 export const GIVEN_VIEWS: readonly { readonly name: string; readonly search: Search }[] = [
   { name: "All runs", search: {} },
   { name: "Avoidable, an ego at fault", search: { accountability: "avoidable" } },
+  { name: "Failing", search: { failing: "true" } },
+  { name: "Not at fault, but avoidable", search: { accountability: "preventable" } },
   { name: "Violations without fault of an ego", search: { at_fault: "false" } },
   { name: "Not judged", search: { status: NOT_JUDGED } },
   { name: "Waiting or running", search: { status: ["queued", "running"] } },

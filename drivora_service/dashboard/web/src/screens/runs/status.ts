@@ -46,6 +46,7 @@ const VIOLATED: Readonly<Record<Schemas["Accountability"], MarkLook>> = {
   unavoidable: { sign: "✕", tone: "bad", text: "violated, unavoidable" },
   undetermined: { sign: "✕", tone: "lost", text: "violated, undetermined" },
   not_judged: { sign: "✕", tone: "lost", text: "violated" },
+  preventable: { sign: "✕", tone: "lost", text: "violated, not at fault, but avoidable" },
   not_at_fault: { sign: "✕", tone: "lost", text: "violated, not at fault" },
 };
 

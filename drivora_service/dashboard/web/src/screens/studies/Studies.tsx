@@ -51,7 +51,7 @@ const COLUMNS: readonly Column<Row>[] = [
   {
     id: "avoidable",
     title: "Count",
-    hint: "Simulations with a failure that counts: an ego was at fault and it was avoidable",
+    hint: "Simulations with an avoidable failure: an ego was at fault, and a careful driver avoids it",
     width: "80px",
     numeric: true,
     cell: ({ counts }) => (

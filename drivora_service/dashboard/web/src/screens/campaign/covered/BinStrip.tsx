@@ -7,7 +7,7 @@ type Gene = Schemas["GeneCoverage"];
 const LEAST_PX = 2;
 const WIDEST_PX = 18;
 
-/** The bins of a gene as bars: failures that count at the foot, other failures on them, then the rest. */
+/** The bins of a gene as bars: avoidable failures at the foot, other failures on them, then the rest. */
 export function BinStrip({
   gene,
   most,
@@ -42,7 +42,7 @@ export function BinStrip({
         return (
           // biome-ignore lint/suspicious/noArrayIndexKey: bins in their order
           <g key={bin} className="bin">
-            <title>{`${gene.name} of ${gene.block}, ${binText(gene, bin)}: ${simulations} simulations, ${avoidable} with a failure that counts, ${others} with others`}</title>
+            <title>{`${gene.name} of ${gene.block}, ${binText(gene, bin)}: ${simulations} simulations, ${avoidable} with an avoidable failure, ${others} with others`}</title>
             <rect className="sensor" x={bin * slot} width={slot} y={-2} height={height + 4} />
             {parts.map(([look, size]) => {
               top -= size;

@@ -13,9 +13,9 @@ export const FailureMarks = memo(function FailureMarks({
   readonly places: readonly FailurePlace[];
   readonly plan: Plan;
 }) {
-  // Those that count are drawn last.
-  const ordered = places.toSorted((a, b) => Number(a.counts) - Number(b.counts));
-  return ordered.map(({ failure, x, y, counts }) => (
+  // The avoidable ones are drawn last.
+  const ordered = places.toSorted((a, b) => Number(a.isAvoidable) - Number(b.isAvoidable));
+  return ordered.map(({ failure, x, y, isAvoidable }) => (
     <g
       key={`${failure.evaluation} ${failure.place}`}
       data-id={failure.evaluation}
@@ -23,18 +23,18 @@ export const FailureMarks = memo(function FailureMarks({
     >
       <title>{`evaluation ${failure.evaluation}: ${failure.verdict.message}`}</title>
       <circle className="sensor" r="8" />
-      <FailureSign counts={counts} />
+      <FailureSign isAvoidable={isAvoidable} />
     </g>
   ));
 });
 
 /** The sign of a failure, with a rim that parts it from what is below. */
-export function FailureSign({ counts }: { readonly counts: boolean }) {
-  const shape = counts ? CROSS : TRIANGLE;
+export function FailureSign({ isAvoidable }: { readonly isAvoidable: boolean }) {
+  const shape = isAvoidable ? CROSS : TRIANGLE;
   return (
     <>
       <path className="rim" d={shape} />
-      <path className={`point ${counts ? "bad" : "lost"}`} d={shape} />
+      <path className={`point ${isAvoidable ? "bad" : "lost"}`} d={shape} />
     </>
   );
 }

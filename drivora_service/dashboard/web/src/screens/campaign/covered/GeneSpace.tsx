@@ -65,7 +65,7 @@ function Legend() {
   return (
     <span className="quiet gene-legend">
       Height: simulations, to the same scale in a row.{" "}
-      <span className="sample counting">with a failure that counts</span>{" "}
+      <span className="sample counting">with an avoidable failure</span>{" "}
       <span className="sample failing">with another failure</span>{" "}
       <span className="sample passed">without</span>
     </span>

@@ -64,12 +64,12 @@ export function LaneUseLegend({
           isNarrow(classes, width) ? "translate(6,68)" : `translate(${width - SIGNS_PX},33)`
         }
       >
-        <FailureSign counts />
+        <FailureSign isAvoidable />
         <text x="9" dy="0.32em">
-          failure that counts
+          avoidable failure
         </text>
         <g transform="translate(128,0)">
-          <FailureSign counts={false} />
+          <FailureSign isAvoidable={false} />
           <text x="9" dy="0.32em">
             other failure
           </text>

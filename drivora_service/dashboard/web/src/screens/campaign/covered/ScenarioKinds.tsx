@@ -67,8 +67,8 @@ export function ScenarioKinds({
         </table>
       </div>
       <p className="inside quiet">
-        Simulations, and those with failures that count + others; bars: shares of all. A simulation
-        with several turns or kinds of actors is in each.
+        Simulations, and those with avoidable failures + with others; bars: shares of all. A
+        simulation with several turns or kinds of actors is in each.
         {turns.includes("unknown") &&
           " A turn is not known where a route has no heading at its start or its end."}
       </p>
@@ -84,7 +84,7 @@ function Cell({ kind, of }: { readonly kind: Kind | undefined; readonly of: numb
   return (
     <span
       className="kind"
-      title={`${count(simulations)} simulations; ${count(avoidable)} with failures that count, ${count(others)} with others`}
+      title={`${count(simulations)} simulations; ${count(avoidable)} with avoidable failures, ${count(others)} with others`}
     >
       {count(simulations)}
       <small>

@@ -6,7 +6,12 @@ function failure(evaluation: number, verdict: Partial<Schemas["Verdict"]>): Sche
   const kind = "collision|road a|";
   const urls = { observations_url: "", scenario_url: "", trace: "" };
   const whole = { oracle: "collision", ego: "ego_0", message: "", counterpart: "" } as const;
-  const rest = { outcome: "violated", severity: "major", undetermined: false } as const;
+  const rest = {
+    outcome: "violated",
+    severity: "major",
+    undetermined: false,
+    follows: "",
+  } as const;
   return {
     evaluation,
     kind,
@@ -26,7 +31,7 @@ it("failures have a place on the network of their evaluation, unless none was re
     ],
     (evaluation) => (evaluation === 3 ? "tee-town" : "highway"),
   );
-  expect(places.map(({ x, y, town, counts }) => [x, y, town, counts])).toEqual([
+  expect(places.map(({ x, y, town, isAvoidable }) => [x, y, town, isAvoidable])).toEqual([
     [1, 2, "tee-town", true],
     [7, 8, "highway", false],
   ]);

@@ -9,7 +9,7 @@ export interface FailurePlace {
   readonly x: number;
   readonly y: number;
   /** Whether an ego was at fault and the failure was avoidable. */
-  readonly counts: boolean;
+  readonly isAvoidable: boolean;
 }
 
 /** Returns the failures that have a place. */
@@ -21,7 +21,7 @@ export function placesOf(
     const { at_fault, avoidable, location } = failure.verdict;
     const [x, y] = location ?? [];
     if (x === undefined || y === undefined) return [];
-    const counts = at_fault === true && avoidable === "yes";
-    return [{ failure, town: townOf(failure.evaluation), x, y, counts }];
+    const isAvoidable = at_fault === true && avoidable === "yes";
+    return [{ failure, town: townOf(failure.evaluation), x, y, isAvoidable }];
   });
 }
