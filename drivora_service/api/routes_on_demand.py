@@ -29,7 +29,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("campaigns", "/campaigns(:validate|:presets|/[^/]*)?"),
         ("comparisons", "/campaigns(:compare|/[^/]*/(figures|discoveries|coverage))"),
         ("evaluations", "/campaigns/[^/]*/(evaluations|failures|tables)(/.*)?"),
-        ("failures", "/failures(/[0-9]*)?"),
+        ("failures", "/failures(:counts|/[0-9]*)?"),
         ("failure_groups", "/failures/groups([/:].*)?"),
         ("studies", "/studies([/:].*)?"),
         ("suites", "/suites(:history)?|/suite-runs(/.*)?"),

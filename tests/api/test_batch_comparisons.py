@@ -76,7 +76,10 @@ def test_what_counts_is_chosen(offline: Offline, both: tuple[str, str]) -> None:
     wanted: dict[str, Any] = {"a": both[0], "b": both[1]}
     red = offline.client.get(COMPARE, params={**wanted, "oracle": "red_light"}).json()
     assert (red["failures"]["both"], red["failures"]["a_only"]) == (1, 0)
-    assert red["oracles"] == ["red_light"]
+    assert red["definition"]["oracles"] == ["red_light"]
+    assert red["definition"]["origin"] == "request"
+    posted = offline.client.get(COMPARE, params=wanted).json()["definition"]
+    assert (posted["counts"], posted["origin"]) == ("accountable", "default")
     metric = offline.client.get(COMPARE, params={**wanted, "metric": ["speed", "gap"]}).json()
     assert [row["metric"] for row in metric["metrics"]] == ["speed", "gap"]
     assert metric["pairs"][0]["a"]["metrics"] == {"speed": 3.0, "gap": None}

@@ -17,6 +17,7 @@ from drivora_service.feedback.measurement import FeedbackChoice, Measurement
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.runs.candidate import Candidate, CandidateSource, Reference, SpaceSource
 from drivora_service.runs.report_encoding import report_from_json, report_to_json
 from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
@@ -207,7 +208,9 @@ def search_of(tester: Tester, **changes: object) -> Search:
         "run_prefix": "test",
         "parts": (part_of(tester, Values(invalid_below=0.1)),),
         "feedback": FeedbackChoice(name="general"),
-        "oracles": frozenset({"collision"}),
+        "definition": FailureDefinition(
+            counts=Counted.POSSIBLY_AT_FAULT, oracles=("collision",)
+        ),
         "budget": 60,
         "lookahead": 8,
     }

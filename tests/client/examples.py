@@ -24,6 +24,7 @@ JOB: dict[str, Any] = {
     "attempts": 0,
     "violations": None,
     "at_fault_violations": None,
+    "failures": None,
     "observations": None,
     "accountability": None,
     "steps": None,

@@ -81,8 +81,8 @@ def list_failures(
     else:
         from drivora_service.cli.failures.failure_output import print_counts, print_failures
 
-        print_failures(failures)
         print_counts(found)
+        print_failures(failures)
 
 
 @app.command()
@@ -157,8 +157,8 @@ def groups(
     else:
         from drivora_service.cli.failures.failure_output import print_counts, print_groups
 
-        print_groups(found)
         print_counts(counted)
+        print_groups(found)
 
 
 @app.command()

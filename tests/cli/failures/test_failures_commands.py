@@ -46,6 +46,7 @@ def test_what_was_decided_is_shown_with_the_group(
     listed = drivora("failures", "list", "--group", group)
     assert f" {crashed['id']} " in listed.out
     assert "an obstacle" in listed.out
+    assert "1 failures; 1 at fault and avoidable" in listed.out
     decided = drivora(
         *("failures", "decide", group, "--status", "known", "--note", "Seen.", "--by", "Ada"),
         "--json",
@@ -64,10 +65,16 @@ def test_what_was_decided_is_shown_with_the_group(
     assert group not in [g["id"] for g in others]
 
 
-def test_groups_are_merged_and_split(drivora: Drivora, crashed: dict[str, Any]) -> None:
+def test_groups_are_merged_and_split(
+    drivora: Drivora, crashed: dict[str, Any], tmp_path: Path
+) -> None:
+    late = crash() | {"npc_obstacles": [], "max_sim_time": 1.0}
+    file = tmp_path / "late.json"
+    file.write_text(json.dumps(late))
+    assert drivora("run", file, "--json", "--workers", "1").json()["violations"] == 1
     all_of_them = drivora("failures", "groups", "--json").json()
     others = [g["id"] for g in all_of_them if g["id"] != crashed["group_id"]]
-    assert others, "the ego misses its destination, too"
+    assert others, "the ego of the other run misses its destination"
     merged = drivora("failures", "merge", crashed["group_id"], *others, "--json").json()
     assert merged["failures"] == sum(g["failures"] for g in all_of_them)
     assert len(drivora("failures", "groups", "--json").json()) == 1
