@@ -26,6 +26,9 @@ TOLERATED_OVERSPEED = 2.23
 LEAST_PROGRESS = 0.2
 """Share of the reference's progress from which on the ego makes progress."""
 
+TOLERATED_OUTSIDE = 0.3
+"""Metres that a corner may be outside the drivable area, at any moment."""
+
 NO_COLLISION = "nuplan_no_at_fault_collision"
 DRIVABLE_AREA = "nuplan_drivable_area"
 DIRECTION = "nuplan_driving_direction"
@@ -88,7 +91,7 @@ def _parts(ego: EgoView, judgement: Judgement) -> Parts:
     progress = None if compared is None else compared.ratio
     return {
         NO_COLLISION: None if at_fault is None else _no_collision(at_fault),
-        DRIVABLE_AREA: _score_oracle(judgement, "off_road"),
+        DRIVABLE_AREA: _drivable_area(ego, judgement),
         DIRECTION: _direction(judgement),
         MAKING_PROGRESS: None if progress is None else float(progress >= LEAST_PROGRESS),
         PROGRESS: progress,
@@ -117,6 +120,16 @@ def _no_collision(at_fault: tuple[Verdict, ...]) -> float:
 def _score_oracle(judgement: Judgement, oracle: str) -> float | None:
     found = judgement.violations(oracle)
     return None if found is None else float(not found)
+
+
+def _drivable_area(ego: EgoView, judgement: Judgement) -> float | None:
+    """Returns 1 if the ego stayed in the drivable area, else 0.
+
+    ``off_road`` excuses a shallow excess that is short; nuPlan does not.
+    """
+    if judgement.by("off_road") is None:
+        return None
+    return float(not (ego.outside > TOLERATED_OUTSIDE).any())
 
 
 def _direction(judgement: Judgement) -> float | None:

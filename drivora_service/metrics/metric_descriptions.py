@@ -129,7 +129,7 @@ METRICS = (
         unit=SHARE,
         better=Better.HIGHER,
         several_egos="mean",
-        threshold="0.3 m outside, as the oracle off_road",
+        threshold="0.3 m outside at any moment",
         source="nuPlan, closed loop",
     ),
     _metric(

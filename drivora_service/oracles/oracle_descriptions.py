@@ -201,10 +201,20 @@ ORACLES = (
     OracleDescription(
         name="off_road",
         severity=Severity.MAJOR,
-        definition="A corner of the ego leaves the lanes and junctions that cars may use.",
+        definition="A corner of the ego leaves the lanes and junctions that cars may use, deep or "
+        "for long enough.",
         unit="m",
         violated_by=ViolatedBy.ABOVE,
-        thresholds=(_threshold("tolerance", "m", "A corner may be this far outside.", _NUPLAN),),
+        thresholds=(
+            _threshold("tolerance", "m", "A corner may be this far outside.", _NUPLAN),
+            _threshold("duration", "s", "It must be further outside for this long.", _OWN),
+            _threshold(
+                "severe_distance",
+                "m",
+                "From this on it violates, however short.",
+                "Leaderboard's margin beyond a lane",
+            ),
+        ),
         source=_NUPLAN,
     ),
     OracleDescription(

@@ -67,11 +67,11 @@ def test_without_packages_there_are_the_built_in_ones_in_their_order() -> None:
     assert catalogue.load_installed() == ()
     assert not catalogue.has_others
     entry = catalogue.entry("off_road")
-    assert (
-        entry.description
-        == "Violated where a corner of the ego is outside the drivable area (nuPlan)."
+    assert entry.description == (
+        "Violated where a corner of the ego is outside the drivable area (nuPlan), and not by "
+        "noise."
     )
-    assert dict(entry.thresholds) == {"tolerance": 0.3}
+    assert dict(entry.thresholds) == {"tolerance": 0.3, "duration": 0.3, "severe_distance": 0.5}
     assert (entry.package, entry.reason) == ("", "")
 
 

@@ -47,7 +47,35 @@ def test_every_time_off_the_road_is_a_violation_with_its_extent() -> None:
     verdicts = judge(OffRoad(), on_lane(motion=shifted(lateral), lane_lateral=lateral))
     assert [verdict.step for verdict in verdicts] == [20, 60]
     assert verdicts[0].evidence["distance"] == pytest.approx(2.15, abs=1e-3)
-    assert verdicts[0].evidence["duration"] == pytest.approx(19 * 0.05)
+    assert verdicts[0].evidence["duration"] == pytest.approx(20 * 0.05)
+
+
+@pytest.mark.parametrize(
+    ("rows", "depth", "outcome"),
+    [
+        (1, 0.31, Outcome.PASSED),
+        (5, 0.49, Outcome.PASSED),
+        (6, 0.31, Outcome.VIOLATED),
+        (1, 0.51, Outcome.VIOLATED),
+        (STEPS, 0.29, Outcome.PASSED),
+    ],
+)
+def test_a_shallow_excess_counts_if_it_lasts(rows: int, depth: float, outcome: Outcome) -> None:
+    lateral = np.where((K >= 20) & (20 + rows > K), -0.85 - depth, 0.0)
+    (verdict,) = judge(OffRoad(), on_lane(motion=shifted(lateral), lane_lateral=lateral))
+    assert verdict.outcome is outcome
+    assert verdict.evidence["distance"] == pytest.approx(depth, abs=1e-3)
+    if outcome is Outcome.VIOLATED or depth > 0.3:
+        assert verdict.evidence["duration"] == pytest.approx(0.05 * rows)
+        assert "Stayed on the road" not in verdict.message
+    else:
+        assert verdict.message == "Stayed on the road."
+
+
+def test_short_excesses_beside_a_long_one_are_no_violations() -> None:
+    lateral = np.where((K == 10) | ((K >= 20) & (K < 40)), -1.2, 0.0)
+    verdicts = judge(OffRoad(), on_lane(motion=shifted(lateral), lane_lateral=lateral))
+    assert [verdict.step for verdict in verdicts] == [20]
 
 
 def test_a_turned_box_reaches_further() -> None:
