@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.trace import Col, Role, Trace
 from drivora_service.oracles.verdict import Verdict
+from drivora_service.oracles.verdicts.accountability import Accountability, accountability
 from drivora_service.oracles.verdicts.violation_marks import Mark, marks_of
 from drivora_service.plotting import colors
 from drivora_service.plotting.drawn_boxes import draw_box
@@ -25,6 +26,7 @@ from drivora_service.plotting.picture_view import View
 from drivora_service.plotting.trails import split_trail
 
 MOST_MOMENTS = 12
+_ACCOUNTABILITIES = tuple(Accountability)
 _APART_S = 1.0
 _TRAIL_S = 3.0
 _SIDE_M = 50.0
@@ -59,9 +61,10 @@ def choose_moments(trace: Trace, verdicts: Sequence[Verdict], count: int) -> Mom
     """Chooses the most informative moments of a run.
 
     These are the seconds before its gravest violation, one moment each, the last of them the
-    violation itself: one at fault before others, a collision before others, the earliest. If it
-    comes too early for that, the seconds after it follow. Without a violation of an oracle that
-    attributes fault: moments at equal distances from the first ego's start to its end.
+    violation itself: one at fault before others, a collision before others, one that was avoidable
+    before others, the earliest. If it comes too early for that, the seconds after it follow.
+    Without a violation of an oracle that attributes fault: moments at equal distances from the
+    first ego's start to its end.
 
     Raises:
         ValueError: ``count`` is not 2 to 12.
@@ -90,7 +93,11 @@ def _gravest(marks: Sequence[Mark]) -> Mark | None:
     ]
     return min(
         found,
-        key=lambda mark: (not mark.verdict.at_fault, mark.verdict.oracle != "collision"),
+        key=lambda mark: (
+            not mark.verdict.at_fault,
+            mark.verdict.oracle != "collision",
+            _ACCOUNTABILITIES.index(accountability(mark.verdict)),
+        ),
         default=None,
     )
 

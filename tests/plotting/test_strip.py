@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from matplotlib.image import imread
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.trace import Role, Trace
+from drivora_service.oracles.verdict import Answer
 from drivora_service.plotting.strip import choose_moments, draw_strip
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
 from tests.plotting.test_run_picture import STEPS, verdict
@@ -65,6 +67,14 @@ def test_the_gravest_violation_is_the_one_at_fault_then_a_collision(trace: Trace
     assert (moments.steps[-1], moments.ego) == (90, 1)
     assert choose_moments(trace, verdicts[:2], 3).steps[-1] == 80
     assert choose_moments(trace, verdicts[:1], 3).steps[-1] == 60
+
+
+def test_of_two_collisions_at_fault_the_avoidable_one_is_shown(trace: Trace) -> None:
+    verdicts = [
+        replace(verdict(trace, 60, at_fault=True), avoidable=Answer.NO),
+        replace(verdict(trace, 90, at_fault=True), avoidable=Answer.YES),
+    ]
+    assert choose_moments(trace, verdicts, 3).steps[-1] == 90
 
 
 @pytest.mark.parametrize("oracle", ["discomfort", ""])

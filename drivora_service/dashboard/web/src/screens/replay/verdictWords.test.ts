@@ -135,3 +135,9 @@ it("violations of one oracle are gathered at the first of them", () => {
     { first: other, count: 1 },
   ]);
 });
+
+it("of two collisions at fault, the one that was avoidable comes first", () => {
+  const unavoidable = { ...verdict("collision", "major", true, 3), avoidable: "no" } as const;
+  const avoidable = { ...verdict("collision", "major", true, 9), avoidable: "yes" } as const;
+  expect(gravestFirst([unavoidable, avoidable])[0]?.time).toBe(9);
+});

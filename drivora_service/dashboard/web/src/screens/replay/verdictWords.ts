@@ -43,6 +43,8 @@ export function toneOf({
 
 const RANK: Readonly<Record<string, number>> = { critical: 0, major: 1, minor: 2, observation: 3 };
 
+const AVOIDABILITY: Readonly<Record<string, number>> = { yes: 0, not_measurable: 1, no: 2 };
+
 /** Returns the violations of a run that are failures by its definition. */
 export function failuresOf({
   verdicts,
@@ -53,7 +55,8 @@ export function failuresOf({
 
 /**
  * Sorts violations, the gravest first: failures before others, what only follows from another one
- * behind it, at fault before others, a collision before what did no harm, the earlier of two alike.
+ * behind it, at fault before others, a collision before what did no harm, one that was avoidable
+ * before others, the earlier of two alike.
  */
 export function gravestFirst(
   verdicts: readonly Verdict[],
@@ -61,6 +64,7 @@ export function gravestFirst(
 ): readonly Verdict[] {
   const harm = ({ oracle }: Verdict) => Number(oracle === "collision");
   const rank = ({ severity }: Verdict) => RANK[severity ?? "major"] ?? 1;
+  const excuse = ({ avoidable }: Verdict) => AVOIDABILITY[avoidable ?? "yes"] ?? 0;
   return verdicts
     .filter(({ outcome }) => outcome === "violated")
     .sort(
@@ -72,6 +76,7 @@ export function gravestFirst(
         rank(a) - rank(b) ||
         harm(b) - harm(a) ||
         Number(a.at_fault === false) - Number(b.at_fault === false) ||
+        excuse(a) - excuse(b) ||
         (a.time ?? Number.POSITIVE_INFINITY) - (b.time ?? Number.POSITIVE_INFINITY),
     );
 }
