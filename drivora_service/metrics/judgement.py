@@ -24,7 +24,10 @@ class Judgement:
         return Judgement(verdicts=tuple(v for v in verdicts if v.ego == ego_id))
 
     def by(self, oracle: str) -> tuple[Verdict, ...] | None:
-        """Returns an oracle's verdicts; ``None`` if it was not measurable or did not judge."""
+        """Returns an oracle's verdicts; ``None`` if it was not measurable or did not judge.
+
+        A verdict that there was nothing to judge is one without a violation, as a passed one is.
+        """
         found = tuple(v for v in self.verdicts if v.oracle == oracle)
         if not found or any(v.outcome is Outcome.NOT_MEASURABLE for v in found):
             return None

@@ -13,7 +13,14 @@ from drivora_service.geometry.angles import wrap_angle
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import LEVEL_GAP, Col
 from drivora_service.oracles.blocked import STANDING_SPEED, standing_clock
-from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
+from drivora_service.oracles.verdict import (
+    Severity,
+    Verdict,
+    not_applicable,
+    not_started,
+    passed,
+    violated,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,6 +56,9 @@ class Deadlock:
         for ego in run.egos:
             if not ego.count:
                 verdicts.append(not_started(self.name, ego))
+            elif len(run.egos) < 2:
+                message = "The run has no other ego to wait for."
+                verdicts.append(not_applicable(self.name, ego, message))
             elif ego.row not in found:
                 message = "No egos waited for one another."
                 verdicts.append(passed(self.name, ego, message))

@@ -7,9 +7,22 @@ from dataclasses import dataclass
 
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.yielding.conflict import Conflict
-from drivora_service.observations.yielding.vehicle_conflicts import vehicle_conflicts
-from drivora_service.observations.yielding.walker_conflicts import walker_conflicts
-from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
+from drivora_service.observations.yielding.vehicle_conflicts import (
+    gives_way_to_vehicles,
+    vehicle_conflicts,
+)
+from drivora_service.observations.yielding.walker_conflicts import (
+    gives_way_to_walkers,
+    walker_conflicts,
+)
+from drivora_service.oracles.verdict import (
+    Verdict,
+    not_applicable,
+    not_measurable,
+    not_started,
+    passed,
+    violated,
+)
 
 _ONE_ACT = 10.0
 """Seconds within which what an ego does to the same other is one act."""
@@ -70,7 +83,13 @@ class FailureToYield:
             "conflicts": len(conflicts),
             "least_encroachment": nearest if nearest is None or nearest < 1e3 else None,
         }
-        return [passed(self.name, ego, "Hindered no actor with the right of way.", **facts)]
+        if conflicts or gives_way_to_vehicles(ego) or gives_way_to_walkers(ego):
+            return [passed(self.name, ego, "Hindered no actor with the right of way.", **facts)]
+        if ego.crossings and not ego.network.path.is_file():
+            message = "The file of the network, which has the right of way, is missing."
+            return [not_measurable(self.name, ego, message)]
+        message = "No junction or crossing on the way where others have the right of way."
+        return [not_applicable(self.name, ego, message, **facts)]
 
     def _acts(self, ego: EgoView, conflicts: Sequence[Conflict]) -> list[Conflict]:
         """Returns the conflicts in which the ego hindered the other, one for each act.

@@ -16,6 +16,7 @@ from drivora_service.oracles.junction_stands.waiting_vehicles import waiting_veh
 from drivora_service.oracles.verdict import (
     Severity,
     Verdict,
+    not_applicable,
     not_measurable,
     not_started,
     passed,
@@ -76,6 +77,8 @@ class JunctionBlocking:
                 f"{self.duration:g} s needed: extend max_sim_time."
             )
             return [not_measurable(self.name, ego, message, duration=unfinished)]
+        if not ego.in_junction.any() and not ego.crossings:
+            return [not_applicable(self.name, ego, "Drove into no junction.", duration=0.0)]
         message = f"Stood in junctions without a reason for {longest:.1f} s at most."
         return [passed(self.name, ego, message, duration=longest)]
 

@@ -17,6 +17,7 @@ from drivora_service.oracles.blocked import waiting_at_signal
 from drivora_service.oracles.verdict import (
     Severity,
     Verdict,
+    not_applicable,
     not_measurable,
     not_started,
     passed,
@@ -65,7 +66,8 @@ class MinimumSpeed:
         if not np.isfinite(limit).any():
             return [not_measurable(self.name, ego, "No speed limit was known at any time.")]
         wanted = self.share * np.minimum(np.nan_to_num(limit), self._bend_speed(ego))
-        slow = (ego.speed < wanted) & ~self._has_reason(ego)
+        free = ~self._has_reason(ego)
+        slow = (ego.speed < wanted) & free
         verdicts = []
         for first, last in stretches(slow):
             seconds = float((last - first) * ego.step_length)
@@ -86,7 +88,13 @@ class MinimumSpeed:
                     speed_limit=float(limit[first]),
                 )
             )
-        return verdicts or [passed(self.name, ego, "Never slow without a reason.")]
+        if verdicts:
+            return verdicts
+        longest = max((last - first for first, last in stretches(free)), default=0)
+        if longest * ego.step_length < self.duration - 1e-9:
+            message = f"Never without a reason to be slow for {self.duration:g} s."
+            return [not_applicable(self.name, ego, message)]
+        return [passed(self.name, ego, "Never slow without a reason.")]
 
     def _has_reason(self, ego: EgoView) -> BoolArray:
         reason: BoolArray = leaders(ego, margin=0.5).room < self.ahead

@@ -8,12 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.geometry.boxes import time_to_contact
+from drivora_service.observations.artefacts import counterpart
 from drivora_service.observations.leaders import SAME_WAY
 from drivora_service.observations.proximity import gaps_between
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import LEVEL_GAP, Col
-from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
+from drivora_service.oracles.verdict import (
+    Severity,
+    Verdict,
+    not_applicable,
+    not_started,
+    passed,
+    violated,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,7 +58,7 @@ class NearMiss:
     def _judge(self, ego: EgoView) -> list[Verdict]:
         if not ego.count:
             return [not_started(self.name, ego)]
-        touched = {contact.other for contact in ego.trace.contacts if contact.ego == ego.row}
+        touched = _touched(ego)
         times = ego.proximity.forward_time_to_collision
         verdicts = []
         soonest = float(times.min())
@@ -63,11 +71,42 @@ class NearMiss:
                 continue
             verdicts.append(self._near(ego, first, other, "time_to_collision", float(times[worst])))
         verdicts += self._encroachments(ego, touched)
+        return verdicts or [self._without_violation(ego, touched, soonest)]
+
+    def _without_violation(self, ego: EgoView, touched: set[int], soonest: float) -> Verdict:
+        """Returns the verdict on an ego that nearly met no actor.
+
+        Args:
+            ego: The ego.
+            touched: Rows of the actors that it touched.
+            soonest: Its least time to collision, seconds.
+        """
+        present = ego.trace.present[ego.first : ego.first + ego.count]
+        others = [
+            actor.row
+            for actor in ego.trace.actors
+            if actor.row != ego.row and present[:, actor.row].any()
+        ]
+        if touched:
+            # The measures are those of the contact, which `collision` judges.
+            names = [ego.trace.actors[row].id for row in sorted(touched)]
+            said = f"Touched {', '.join(names)}: see collision"
+            if touched.issuperset(others):
+                message = f"{said}; no other actor was there."
+                return not_applicable(self.name, ego, message, touched=names)
+            message = f"{said}; no near miss with another actor."
+            return passed(self.name, ego, message, touched=names)
+        encroachment = ego.proximity.post_encroachment_time
         facts = {
             "time_to_collision": soonest if np.isfinite(soonest) else None,
-            "post_encroachment_time": ego.proximity.post_encroachment_time,
+            "post_encroachment_time": encroachment,
         }
-        return verdicts or [passed(self.name, ego, "Kept clear of other actors.", **facts)]
+        if not others:
+            return not_applicable(self.name, ego, "No other actor in the run.", **facts)
+        if encroachment is None and not np.isfinite(soonest):
+            message = "Never on the way to meet another actor."
+            return not_applicable(self.name, ego, message, **facts)
+        return passed(self.name, ego, "Kept clear of other actors.", **facts)
 
     def _moves(self, ego: EgoView) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
         moves: np.ndarray[tuple[int], np.dtype[np.bool_]] = ego.speed >= self.standing_speed
@@ -106,6 +145,16 @@ class NearMiss:
             measure=measure,
             seconds=seconds,
         )
+
+
+def _touched(ego: EgoView) -> set[int]:
+    """Returns the rows of the actors that the ego touched up to the end of its part.
+
+    Those of an artefact are among them: it is in the row after the part.
+    """
+    last = ego.first + ego.count - (1 if ego.artefact is None else 0)
+    found = {counterpart(one, ego.row) for one in ego.trace.contacts if one.step <= last}
+    return {row for row in found if row is not None}
 
 
 def _soonest_met(ego: EgoView, k: int) -> int:

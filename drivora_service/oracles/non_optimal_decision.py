@@ -22,6 +22,7 @@ from drivora_service.observations.trace import LEVEL_GAP, Col, PoseCol, SizeCol,
 from drivora_service.oracles.verdict import (
     Severity,
     Verdict,
+    not_applicable,
     not_measurable,
     not_started,
     passed,
@@ -71,7 +72,7 @@ class NonOptimalDecision:
             return not_started(self.name, ego)
         reference = reference_of(ego)
         if reference is None:
-            return not_measurable(self.name, ego, "The scenario gives it no reference path.")
+            return not_applicable(self.name, ego, "The scenario gives it no reference path.")
         if ego.end is not TerminalEvent.ARRIVED:
             how = ego.end.value.replace("_", " ")
             return not_measurable(

@@ -387,6 +387,7 @@ ORACLES = (
             _threshold("acceleration", "m/s²", "The ego speeds up by this much until then.", _OWN),
             _threshold("own_braking", "m/s²", "The ego brakes this hard.", "UN R13-H"),
             _threshold("other_braking", "m/s²", "The vehicle ahead brakes this hard.", "UN R157"),
+            _threshold("reach", "m", "A vehicle this far ahead is not followed.", _OWN),
         ),
         source="Responsibility-sensitive safety, definition 1 (Shalev-Shwartz, Shammah and Shashua "
         "2017)",

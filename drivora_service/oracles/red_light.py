@@ -7,11 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivora_service.geometry.array_shapes import ByteArray
+from drivora_service.observations.awaited_line import awaited_ways
 from drivora_service.observations.line_crossings import Crossing
 from drivora_service.observations.recorded_signals import BESIDE_ROUTE, signal_shown
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import EgoCol, Light
-from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
+from drivora_service.oracles.verdict import (
+    Verdict,
+    not_applicable,
+    not_measurable,
+    not_started,
+    passed,
+    violated,
+)
 
 _SAME_PLACE = 0.1
 """Metres by which the place of a stop line on the route may differ between rows."""
@@ -79,8 +87,28 @@ class RedLight:
                 "followed no movement from them."
             )
             return [not_measurable(self.name, ego, message, **facts)]
-        message = f"Crossed {len(passages)} stop lines, none on red."
+        if passages:
+            message = f"Crossed {len(passages)} stop lines, none on red."
+        elif self._came_to_signal(ego):
+            message = "Came to a signal and did not drive past its stop line."
+        else:
+            message = "No stop line with a signal on the way."
+            return [not_applicable(self.name, ego, message, **facts)]
         return [passed(self.name, ego, message, **facts)]
+
+    def _came_to_signal(self, ego: EgoView) -> bool:
+        """Returns whether the ego was at a stop line with a signal when its part ended.
+
+        Its front was near the line, or beyond it while its tail was not.
+        """
+        if any(one.tail is None and _find_signal_state(ego, one)[0] for one in ego.crossings):
+            return True
+        distance = float(ego.value(EgoCol.LIGHT_DISTANCE)[-1])
+        lateral = abs(float(ego.value(EgoCol.ROUTE_LATERAL)[-1]))
+        if -ego.actor.length <= distance <= self.seen_within and lateral <= BESIDE_ROUTE:
+            return True
+        ways = awaited_ways(ego, self.seen_within)
+        return any(signal_shown(ego, way.connection) is not None for way in ways)
 
     def _make_violation(self, ego: EgoView, passage: _Passage, shown: ByteArray) -> Verdict:
         last = passage.tail
@@ -146,14 +174,16 @@ class RedLight:
 
 
 def _find_signal_state(ego: EgoView, crossing: Crossing) -> tuple[bool, ByteArray | None]:
-    """Returns whether a line has a signal, and its state by row; ``None`` if that is unknown."""
+    """Returns whether a line has a signal, and its state by row; ``None`` if that is unknown.
+
+    It is unknown, too, while the tail has not crossed the line.
+    """
     all_shown = [signal_shown(ego, way.connection) for way in crossing.ways]
     known = [shown for shown in all_shown if shown is not None]
     if not known:
         return False, None
-    if len(known) < len(all_shown):
+    if len(known) < len(all_shown) or crossing.tail is None:
         return True, None
-    assert crossing.tail is not None
     red = {bool(shown[crossing.tail] == Light.RED) for shown in known}
     return True, known[0] if len(red) == 1 else None
 

@@ -8,11 +8,19 @@ import numpy as np
 
 from drivora_service.networks.line_controls import STOPPING_LETTERS
 from drivora_service.networks.road_network import Connection
+from drivora_service.observations.awaited_line import awaited_ways
 from drivora_service.observations.line_crossings import Crossing
 from drivora_service.observations.recorded_signals import stop_shown
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.trace import Col
-from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
+from drivora_service.oracles.verdict import (
+    Verdict,
+    not_applicable,
+    not_measurable,
+    not_started,
+    passed,
+    violated,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,11 +96,19 @@ class StopSign:
         if unclear:
             message = f"Crossed {unclear} lines; whether it had to stop there is unknown."
             return [not_measurable(self.name, ego, message, lines=lines, unclear=unclear)]
-        return [passed(self.name, ego, f"Stood at all of {lines} stop signs.", lines=lines)]
+        if lines:
+            message = f"Stood at all of {lines} stop signs."
+        elif any(
+            _must_stop(ego, way.connection, ego.count - 1) for way in awaited_ways(ego, self.reach)
+        ):
+            message = "Came to a stop sign and did not drive past it."
+        else:
+            return [not_applicable(self.name, ego, "No stop sign on the way.", lines=0)]
+        return [passed(self.name, ego, message, lines=lines)]
 
     def judge_passage(self, ego: EgoView, crossing: Crossing) -> StopLinePassage | None:
         """Returns how an ego passed a line; None if it need not stop there."""
-        stops = {_must_stop(ego, crossing, way.connection) for way in crossing.ways}
+        stops = {_must_stop(ego, way.connection, crossing.front) for way in crossing.ways}
         if stops == {False}:
             return None
         slowest, before = self._slowest(ego, crossing)
@@ -119,8 +135,9 @@ class StopSign:
         return float(came[k]), float(way[front] - way[first + k + rows])
 
 
-def _must_stop(ego: EgoView, crossing: Crossing, connection: Connection) -> bool:
+def _must_stop(ego: EgoView, connection: Connection, row: int) -> bool:
+    """Returns whether a movement must stop first at its line in a row of the ego."""
     shown = stop_shown(ego, connection)
     if shown is not None:
-        return bool(shown[crossing.front])
+        return bool(shown[row])
     return connection.right_of_way in STOPPING_LETTERS

@@ -10,7 +10,14 @@ from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.leaders import Leaders, leaders
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.stretches import stretches
-from drivora_service.oracles.verdict import Severity, Verdict, not_started, passed, violated
+from drivora_service.oracles.verdict import (
+    Severity,
+    Verdict,
+    not_applicable,
+    not_started,
+    passed,
+    violated,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +36,8 @@ class Tailgating:
         acceleration: m/s² of the ego during the response time.
         own_braking: m/s² with which the ego brakes.
         other_braking: m/s² with which the vehicle ahead brakes.
+        reach: Metres within which a vehicle ahead is followed; without one, there is nothing to
+            judge.
     """
 
     duration: float = 2.0
@@ -36,6 +45,7 @@ class Tailgating:
     acceleration: float = 0.0
     own_braking: float = 6.43
     other_braking: float = 7.59
+    reach: float = 100.0
 
     @property
     def name(self) -> str:
@@ -74,8 +84,10 @@ class Tailgating:
         ahead, needed = self.measure(ego)
         speed = np.maximum(ego.forward_speed, 0.0)
         verdicts = []
+        longest = 0.0
         for first, last in stretches((ahead.room < needed) & ahead.same_way):
             seconds = float((last - first) * ego.step_length)
+            longest = max(longest, seconds)
             if seconds < self.duration - 1e-9:
                 continue
             k = first + int(np.argmin(ahead.room[first:last] - needed[first:last]))
@@ -96,4 +108,13 @@ class Tailgating:
                     speed=float(speed[k]),
                 )
             )
-        return verdicts or [passed(self.name, ego, "Kept its distance.")]
+        if verdicts:
+            return verdicts
+        if longest > 0.0:
+            message = f"Too close for {longest:.1f} s at most; {self.duration:g} s count."
+        elif (ahead.same_way & (ahead.room <= self.reach)).any():
+            message = "Kept its distance."
+        else:
+            message = f"No vehicle ahead within {self.reach:g} m that goes the same way."
+            return [not_applicable(self.name, ego, message)]
+        return [passed(self.name, ego, message)]

@@ -15,11 +15,25 @@ if TYPE_CHECKING:
 
 
 class Outcome(StrEnum):
-    """The three possible outcomes of an oracle."""
+    """The four possible outcomes of an oracle."""
 
     PASSED = "passed"
     VIOLATED = "violated"
+    NOT_APPLICABLE = "not_applicable"
+    """Nothing to judge: the ego did not come into a situation that the oracle judges."""
     NOT_MEASURABLE = "not_measurable"
+    """The trace does not show whether the ego violated the oracle."""
+
+    @property
+    def in_words(self) -> str:
+        """The outcome as texts and tables name it."""
+        if self is Outcome.NOT_APPLICABLE:
+            return "nothing to judge"
+        return self.value.replace("_", " ")
+
+
+WITHOUT_FINDING = frozenset({Outcome.PASSED, Outcome.NOT_APPLICABLE})
+"""Outcomes of most verdicts, which have nothing to list: they are left out of rows and lists."""
 
 
 class Severity(StrEnum):
@@ -50,7 +64,7 @@ class Verdict(Shape):
     Attributes:
         oracle: Name of the oracle.
         ego: Id of the ego.
-        outcome: Violated, passed or not measurable (``message`` has the reason).
+        outcome: Violated, passed, nothing to judge or not measurable (``message`` has the reason).
         message: One sentence.
         severity: Severity of the oracle's violations.
         at_fault: Whether the ego is responsible; ``None`` if the oracle does not attribute fault,
@@ -115,6 +129,17 @@ def passed(oracle: str, ego: EgoView, message: str, **evidence: Any) -> Verdict:
     """Returns the verdict that an ego passed."""
     return Verdict(
         oracle=oracle, ego=ego.id, outcome=Outcome.PASSED, message=message, evidence=evidence
+    )
+
+
+def not_applicable(oracle: str, ego: EgoView, message: str, **evidence: Any) -> Verdict:
+    """Returns the verdict that an oracle had nothing to judge of an ego, with the reason."""
+    return Verdict(
+        oracle=oracle,
+        ego=ego.id,
+        outcome=Outcome.NOT_APPLICABLE,
+        message=message,
+        evidence=evidence,
     )
 
 

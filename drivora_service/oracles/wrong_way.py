@@ -11,7 +11,14 @@ from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.observations.run_view import EgoView, RunView
 from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import Col, EgoCol
-from drivora_service.oracles.verdict import Verdict, not_measurable, not_started, passed, violated
+from drivora_service.oracles.verdict import (
+    Verdict,
+    not_applicable,
+    not_measurable,
+    not_started,
+    passed,
+    violated,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,14 +70,13 @@ class WrongWay:
                     severe=severe,
                 )
             )
-        return verdicts or [
-            passed(
-                self.name,
-                ego,
-                "Kept the direction of its lanes.",
-                distance=float(max(against.max(), 0.0)),
-            )
-        ]
+        if verdicts:
+            return verdicts
+        distance = float(max(against.max(), 0.0))
+        if not (known & ~ego.in_junction).any():
+            message = "Was on no lane outside junctions."
+            return [not_applicable(self.name, ego, message, distance=distance)]
+        return [passed(self.name, ego, "Kept the direction of its lanes.", distance=distance)]
 
 
 def backwards(ego: EgoView, window: float) -> FloatArray:

@@ -19,7 +19,7 @@ import numpy as np
 
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Light, Role, TerminalEvent, Trace
-from drivora_service.oracles.verdict import Oracle, Outcome, Verdict
+from drivora_service.oracles.verdict import WITHOUT_FINDING, Oracle, Outcome, Verdict
 from drivora_service.testing.networks import EAST, straight_road
 from drivora_service.testing.traces import (
     Motion,
@@ -51,6 +51,14 @@ class OracleContract(ABC):
             for ego in {verdict.ego for verdict in verdicts}:
                 own = [verdict.outcome for verdict in verdicts if verdict.ego == ego]
                 assert own.count(Outcome.VIOLATED) == len(own) or len(own) == 1
+
+    def test_a_verdict_without_a_finding_attributes_no_fault(self) -> None:
+        for trace in example_runs():
+            for verdict in self._judge(trace):
+                if verdict.outcome in WITHOUT_FINDING:
+                    assert verdict.at_fault is None
+                    assert verdict.avoidable is None
+                    assert not verdict.undetermined
 
     def test_verdicts_carry_the_name_of_the_oracle_and_a_message(self) -> None:
         for trace in example_runs():

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from drivora_service.observations.trace import (
     Trace,
 )
 from drivora_service.oracles.built_in import default_oracles, judge_all
+from drivora_service.oracles.verdict import Outcome
 from drivora_service.testing.networks import EAST, straight_road
 from drivora_service.testing.oracle_contract import example_runs
 from drivora_service.testing.traces import Motion, SyntheticActor, SyntheticEgo, make_trace
@@ -252,6 +254,30 @@ def test_an_ego_that_never_started_completed_nothing() -> None:
     assert values["driving_score"] == 0.0
     assert values["success"] is None
     assert values["comfort"] is None
+
+
+def test_nothing_to_judge_scores_as_passed() -> None:
+    found = 0
+    for trace in example_runs():
+        verdicts = judge_all(trace, ROAD, default_oracles())
+        found += sum(verdict.outcome is Outcome.NOT_APPLICABLE for verdict in verdicts)
+        passed = [
+            replace(verdict, outcome=Outcome.PASSED)
+            if verdict.outcome is Outcome.NOT_APPLICABLE
+            else verdict
+            for verdict in verdicts
+        ]
+        assert measure(trace, ROAD, verdicts) == measure(trace, ROAD, passed)
+    assert found > 0
+
+
+def test_the_drivable_area_of_nuplan_excuses_no_short_excess() -> None:
+    lateral = np.where(np.arange(STEPS) == 20, -1.2, 0.0)
+    motion = Motion.along(0.5 * np.arange(STEPS), lateral, yaw=0.0)
+    trace = make_trace([driver(motion=motion, lane_lateral=lateral)])
+    verdicts = judge_all(trace, ROAD, default_oracles())
+    assert "off_road" not in {v.oracle for v in verdicts if v.outcome is Outcome.VIOLATED}
+    assert measure(trace, ROAD, verdicts)["nuplan_drivable_area"] == 0.0
 
 
 def test_without_verdicts_nothing_is_made_up() -> None:

@@ -57,10 +57,10 @@ def test_going_behind_another_or_long_before_it_is_none(seconds: float) -> None:
     assert verdict.outcome is Outcome.PASSED
 
 
-def test_the_ego_with_the_right_of_way_passes() -> None:
+def test_the_ego_with_the_right_of_way_gives_nothing_to_judge() -> None:
     minor = SyntheticActor(motion=along(way(TOWN, MINOR, LEFT), steady(8.0, STEPS)))
     (verdict,) = judge(meeting(1.3), minor, lanes=MAJOR)
-    assert verdict.outcome is Outcome.PASSED
+    assert verdict.outcome is Outcome.NOT_APPLICABLE
     assert verdict.evidence["conflicts"] == 0
 
 
@@ -129,7 +129,11 @@ ONCOMING = ("bridge_2_1", "bridge_3_1")
 
 @pytest.mark.parametrize(
     ("own", "theirs", "outcome"),
-    [("g", "G", Outcome.VIOLATED), ("G", "G", Outcome.PASSED), ("g", "r", Outcome.PASSED)],
+    [
+        ("g", "G", Outcome.VIOLATED),
+        ("G", "G", Outcome.PASSED),
+        ("g", "r", Outcome.NOT_APPLICABLE),
+    ],
 )
 def test_a_left_turn_on_green_yields_to_oncoming_green(
     own: str, theirs: str, outcome: Outcome
@@ -197,3 +201,26 @@ def test_walkers_on_a_green_crossing_go_first(later: float, letter: str, outcome
     if outcome is Outcome.VIOLATED:
         assert verdict.evidence["place"] == "crossing"
         assert verdict.counterpart == "walker"
+
+
+@pytest.mark.parametrize(
+    ("letter", "outcome"), [("G", Outcome.PASSED), ("r", Outcome.NOT_APPLICABLE)]
+)
+def test_a_crossing_without_walkers_is_judged_if_they_would_go_first(
+    letter: str, outcome: Outcome
+) -> None:
+    line, _, light, link = crossing_walker(1.0)
+    # All vehicles have red.
+    letters = ["r"] * len(GRID.programs[light].phases[0].state)
+    letters[link] = letter
+    ego = on_network(GRID, along(line, steady(8.0, STEPS)))
+    (verdict,) = judge_on(GRID, FailureToYield(), ego, lights={light: ["".join(letters)] * STEPS})
+    assert verdict.outcome is outcome
+
+
+def test_waiting_at_the_line_of_a_minor_road_is_giving_way() -> None:
+    line = float(TOWN.lane(MINOR).arc[-1])
+    (verdict,) = judge(np.minimum(steady(8.0, STEPS), line - 1.0))
+    assert verdict.outcome is Outcome.PASSED
+    (verdict,) = judge(np.minimum(steady(8.0, STEPS), line - 20.0))
+    assert verdict.outcome is Outcome.NOT_APPLICABLE

@@ -103,12 +103,12 @@ class TestWithoutReason:
         assert judge(on_network(TOWN, motion, route=EAST)).outcome is Outcome.VIOLATED
 
     @pytest.mark.parametrize(
-        ("line", "stop"),
-        [(EAST, -0.5), (EAST, INSIDE + 12.0)],
+        ("line", "stop", "outcome"),
+        [(EAST, -0.5, Outcome.NOT_APPLICABLE), (EAST, INSIDE + 12.0, Outcome.PASSED)],
         ids=["before the line", "behind the junction"],
     )
-    def test_outside_the_junction(self, line: np.ndarray, stop: float) -> None:
-        assert judge(standing(stop, line)).outcome is Outcome.PASSED
+    def test_outside_the_junction(self, line: np.ndarray, stop: float, outcome: Outcome) -> None:
+        assert judge(standing(stop, line)).outcome is outcome
 
     def test_where_no_way_of_others_leads(self) -> None:
         """Right behind the line of Harbour Street, where only the ego's own ways lead."""

@@ -162,11 +162,11 @@ def test_a_run_without_reference_paths_has_no_verdict() -> None:
     assert len(told) == len(default_oracles()) - 1
 
 
-def test_of_several_egos_only_those_with_a_path_are_measurable() -> None:
+def test_of_several_egos_only_those_with_a_path_are_judged() -> None:
     egos = [ego_on(0.0, id="with"), ego_on(30.0, id="without")]
     trace = replace(make_trace(egos), references=(REFERENCE, np.zeros((0, 6))))
     verdicts = judge_all(trace, straight_road(), [NonOptimalDecision()])
-    assert [verdict.outcome for verdict in verdicts] == [Outcome.PASSED, Outcome.NOT_MEASURABLE]
+    assert [verdict.outcome for verdict in verdicts] == [Outcome.PASSED, Outcome.NOT_APPLICABLE]
 
 
 # The same on recorded runs, by other code: shapely, and every row for itself.

@@ -73,11 +73,57 @@ def test_who_comes_round_a_bend_counts_if_it_came_near(apart: float, outcome: Ou
 
 
 def test_a_contact_is_a_collision_and_no_near_miss() -> None:
+    ego = on_lane(motion=Motion.steady(0.0, 0.0, steps=STEPS, speed=10.0), end_step=111)
+    standing = SyntheticActor(motion=Motion.steady(60.0, 0.0, steps=STEPS), id="standing")
+    contact = Contact(step=111, ego=0, other=1)
+    (verdict,) = judge(NearMiss(), ego, others=[standing], contacts=[contact])
+    assert verdict.outcome is Outcome.NOT_APPLICABLE
+    assert verdict.message == "Touched standing: see collision; no other actor was there."
+    beside = SyntheticActor(motion=Motion.steady(0.0, 7.0, steps=STEPS, speed=10.0))
+    (verdict,) = judge(NearMiss(), ego, others=[standing, beside], contacts=[contact])
+    assert verdict.outcome is Outcome.PASSED
+    assert verdict.message == "Touched standing: see collision; no near miss with another actor."
+    crossing = Motion.steady(30.0, -26.0, steps=STEPS, speed=10.0, yaw=0.5 * np.pi)
+    others = [standing, SyntheticActor(motion=crossing, id="crosses")]
+    (verdict,) = judge(NearMiss(), ego, others=others, contacts=[contact])
+    assert verdict.outcome is Outcome.VIOLATED
+    assert verdict.counterpart == "crosses"
+
+
+def test_both_egos_of_a_collision_are_said_to_have_touched() -> None:
+    egos = [
+        on_lane(id="behind", motion=Motion.steady(0.0, 0.0, steps=112, speed=10.0)),
+        on_lane(id="ahead", motion=Motion.steady(60.0, 0.0, steps=112)),
+    ]
+    contact = Contact(step=111, ego=0, other=1)
+    verdicts = judge(NearMiss(), *egos, contacts=[contact])
+    assert outcomes(verdicts) == [Outcome.NOT_APPLICABLE] * 2
+    assert [verdict.message.partition(":")[0] for verdict in verdicts] == [
+        "Touched ahead",
+        "Touched behind",
+    ]
+
+
+def test_a_touch_after_the_end_of_the_part_excuses_no_near_miss() -> None:
     ego = on_lane(motion=Motion.steady(0.0, 0.0, steps=STEPS, speed=10.0), end_step=110)
     standing = SyntheticActor(motion=Motion.steady(60.0, 0.0, steps=STEPS))
     contact = Contact(step=111, ego=0, other=1)
-    verdicts = judge(NearMiss(), ego, others=[standing], contacts=[contact])
-    assert outcomes(verdicts) == [Outcome.PASSED]
+    (verdict,) = judge(NearMiss(), ego, others=[standing], contacts=[contact])
+    assert verdict.outcome is Outcome.VIOLATED
+
+
+def test_without_an_actor_on_its_way_there_is_no_near_miss_to_judge() -> None:
+    ego = on_lane(motion=Motion.steady(0.0, 0.0, steps=STEPS, speed=10.0))
+    (verdict,) = judge(NearMiss(), ego)
+    assert (verdict.outcome, verdict.message) == (
+        Outcome.NOT_APPLICABLE,
+        "No other actor in the run.",
+    )
+    (verdict,) = judge(NearMiss(), ego, others=[ahead(20.0, 10.0)])
+    assert (verdict.outcome, verdict.message) == (
+        Outcome.NOT_APPLICABLE,
+        "Never on the way to meet another actor.",
+    )
 
 
 @pytest.mark.parametrize(
@@ -104,7 +150,21 @@ def test_being_too_near_for_a_moment_is_excused(rows: int, outcome: Outcome) -> 
     motion = Motion.along(x, 0.0)
     motion.states[:, 3] = 10.0
     ego = on_lane(motion=Motion.steady(0.0, 0.0, steps=STEPS, speed=10.0))
-    assert outcomes(judge(Tailgating(), ego, others=[SyntheticActor(motion=motion)])) == [outcome]
+    (verdict,) = judge(Tailgating(), ego, others=[SyntheticActor(motion=motion)])
+    assert verdict.outcome is outcome
+    if outcome is Outcome.PASSED:
+        assert verdict.message == "Too close for 1.9 s at most; 2 s count."
+
+
+@pytest.mark.parametrize(
+    ("room", "outcome"), [(99.0, Outcome.PASSED), (101.0, Outcome.NOT_APPLICABLE)]
+)
+def test_without_a_vehicle_ahead_there_is_no_distance_to_keep(
+    room: float, outcome: Outcome
+) -> None:
+    ego = on_lane(motion=Motion.steady(0.0, 0.0, steps=STEPS, speed=10.0))
+    assert outcomes(judge(Tailgating(), ego, others=[ahead(room, 10.0)])) == [outcome]
+    assert outcomes(judge(Tailgating(), ego)) == [Outcome.NOT_APPLICABLE]
 
 
 @pytest.mark.parametrize("kind", ["oncoming", "beside"])
@@ -118,7 +178,7 @@ def test_only_who_is_followed_counts(kind: str) -> None:
     if kind == "oncoming":
         motion.states[:, 2] = np.pi
     others = [SyntheticActor(motion=motion)]
-    assert outcomes(judge(Tailgating(), ego, others=others)) == [Outcome.PASSED]
+    assert outcomes(judge(Tailgating(), ego, others=others)) == [Outcome.NOT_APPLICABLE]
 
 
 def slow(**fields: object) -> list[Outcome]:
@@ -144,11 +204,13 @@ def test_half_the_limit_is_fast_enough(speed: float, outcome: Outcome) -> None:
 
 
 def test_a_signal_ahead_is_a_reason() -> None:
-    assert slow(light=Light.RED, light_distance=50.0) == [Outcome.PASSED]
+    assert slow(light=Light.RED, light_distance=50.0) == [Outcome.NOT_APPLICABLE]
     assert slow(light=Light.GREEN, light_distance=50.0) == [Outcome.VIOLATED]
 
 
-@pytest.mark.parametrize(("room", "outcome"), [(30.0, Outcome.PASSED), (90.0, Outcome.VIOLATED)])
+@pytest.mark.parametrize(
+    ("room", "outcome"), [(30.0, Outcome.NOT_APPLICABLE), (90.0, Outcome.VIOLATED)]
+)
 def test_an_actor_ahead_is_a_reason(room: float, outcome: Outcome) -> None:
     ego = on_lane(motion=Motion.steady(0.0, 0.0, steps=STEPS, speed=3.0))
     assert outcomes(judge(MinimumSpeed(), ego, others=[ahead(room, 3.0)])) == [outcome]
@@ -158,7 +220,7 @@ def test_a_junction_ahead_is_a_reason() -> None:
     route = np.array([(0.0, 0.0), (900.0, 0.0)])
     near = on_lane(motion=Motion.steady(465.0, 0.0, steps=220, speed=3.0), route=route)
     far = on_lane(motion=Motion.steady(365.0, 0.0, steps=220, speed=3.0), route=route)
-    assert outcomes(judge(MinimumSpeed(), near)) == [Outcome.PASSED]
+    assert outcomes(judge(MinimumSpeed(), near)) == [Outcome.NOT_APPLICABLE]
     assert outcomes(judge(MinimumSpeed(), far)) == [Outcome.VIOLATED]
 
 

@@ -157,6 +157,10 @@ def test_a_short_wait_is_no_deadlock() -> None:
     assert outcomes(judge(Deadlock(), *ring(FACING, 9.0))) == [Outcome.PASSED] * 2
 
 
+def test_a_single_ego_has_no_other_to_wait_for() -> None:
+    assert outcomes(judge(Deadlock(), *ring(FACING[:1]))) == [Outcome.NOT_APPLICABLE]
+
+
 def test_egos_far_apart_do_not_wait_for_one_another() -> None:
     assert (
         outcomes(judge(Deadlock(), *ring([(0.0, 0.0, 0.0), (40.0, 0.0, math.pi)])))

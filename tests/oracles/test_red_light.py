@@ -89,7 +89,7 @@ def test_signals_so_near_that_both_are_under_the_ego() -> None:
 
 def test_a_signal_that_the_ego_started_beyond_is_not_its_signal() -> None:
     (verdict,) = drive([(1.0, always(Light.RED))])
-    assert verdict.outcome is Outcome.PASSED
+    assert verdict.outcome is Outcome.NOT_APPLICABLE
     assert verdict.evidence["lines"] == 0
 
 
@@ -101,7 +101,19 @@ def test_backing_off_the_line_is_no_crossing() -> None:
 
 def test_a_route_without_signals() -> None:
     (verdict,) = drive([])
-    assert verdict.outcome is Outcome.PASSED
+    assert verdict.outcome is Outcome.NOT_APPLICABLE
+    assert verdict.message == "No stop line with a signal on the way."
+
+
+@pytest.mark.parametrize(
+    ("end", "outcome"),
+    [(20.0, Outcome.NOT_APPLICABLE), (39.0, Outcome.PASSED), (43.0, Outcome.PASSED)],
+    ids=["far from the line", "at the line", "on the line"],
+)
+def test_waiting_at_a_signal_is_something_to_judge(end: float, outcome: Outcome) -> None:
+    (verdict,) = drive([(40.0, always(Light.RED))], np.minimum(FRONT, end))
+    assert verdict.outcome is outcome
+    assert verdict.evidence["lines"] == 0
 
 
 def test_a_signal_that_is_lost_before_the_tail_has_passed_is_no_crossing() -> None:
@@ -113,4 +125,4 @@ def test_a_signal_that_is_lost_before_the_tail_has_passed_is_no_crossing() -> No
         route_s=FRONT - 0.5 * LENGTH,
     )
     (verdict,) = judge(RedLight(), ego)
-    assert verdict.outcome is Outcome.PASSED
+    assert verdict.outcome is Outcome.NOT_APPLICABLE

@@ -78,7 +78,7 @@ def test_another_streets_red_is_not_charged_to_who_passes_beside_the_route() -> 
         for lateral in (4.0, 25.0)
     )
     assert [verdict.outcome for verdict in near] == [Outcome.VIOLATED]
-    assert [verdict.outcome for verdict in far] == [Outcome.PASSED]
+    assert [verdict.outcome for verdict in far] == [Outcome.NOT_APPLICABLE]
 
 
 def test_past_the_red_on_the_other_side_of_the_road_is_past_it() -> None:

@@ -73,14 +73,22 @@ def test_a_minor_road_has_no_stop_sign() -> None:
     fronts = steady(8.0, 500)
     ego = on_network(TOWN, along(way(TOWN, "-church_1_0", "high_3_0"), fronts))
     (verdict,) = judge_on(TOWN, StopSign(), ego)
-    assert verdict.outcome is Outcome.PASSED
+    assert verdict.outcome is Outcome.NOT_APPLICABLE
+    assert verdict.message == "No stop sign on the way."
     assert verdict.evidence["lines"] == 0
 
 
-@pytest.mark.parametrize(("letter", "outcome"), [("s", Outcome.VIOLATED), ("g", Outcome.PASSED)])
+@pytest.mark.parametrize(
+    ("letter", "outcome"), [("s", Outcome.VIOLATED), ("g", Outcome.NOT_APPLICABLE)]
+)
 def test_a_signal_may_ask_for_a_stop(letter: str, outcome: Outcome) -> None:
     grid = network("signal-grid")
     count = len(grid.programs["c3"].phases[0].state)
     ego = on_network(grid, along(way(grid, "-bridge_3_2", "-bridge_2_2"), steady(10.0, 400)))
     (verdict,) = judge_on(grid, StopSign(), ego, lights={"c3": [letter * count] * 400})
     assert verdict.outcome is outcome
+
+
+def test_waiting_at_the_sign_until_the_end_is_something_to_judge() -> None:
+    assert drive(np.minimum(steady(8.0, 300), LINE - 1.0)).outcome is Outcome.PASSED
+    assert drive(np.minimum(steady(8.0, 300), LINE - 20.0)).outcome is Outcome.NOT_APPLICABLE

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from tests.recomputation.boxes import collisions
-from tests.recomputation.recording import Drive, Recording, read_recording
+from tests.recomputation.recording import Drive, Flags, Recording, read_recording
 from tests.recomputation.routes import Progress, deviation_row, follow_route, route_completion
 from tests.recomputation.scores import penalties
 from tests.recomputation.signals import Passed, lines_passed
@@ -21,6 +21,9 @@ from tests.recomputation.surfaces import corners_outside, lane_errors
 
 OFF_ROAD = 0.3
 """Metres that a corner may be outside."""
+
+OFF_ROAD_TIME, FAR_OFF_ROAD = 0.3, 0.5
+"""Seconds that an excess must last, and metres from which on it counts however short."""
 
 LANE_MARGIN = 0.5
 """Metres beyond the lanes that count as within."""
@@ -142,11 +145,12 @@ class Comparison:
         self.run = read_recording(trace)
         self.egos = [Recomputed(self.run, drive) for drive in self.run.drives]
 
-    def _verdicts(self, oracle: str, ego: Recomputed, outcome: str) -> list[Verdict]:
+    def _verdicts(self, oracle: str, ego: Recomputed, *outcomes: str) -> list[Verdict]:
         return [
             verdict
             for verdict in self.report.verdicts
-            if (verdict.oracle, verdict.ego, verdict.outcome) == (oracle, ego.drive.id, outcome)
+            if (verdict.oracle, verdict.ego) == (oracle, ego.drive.id)
+            and verdict.outcome in outcomes
         ]
 
     def _violations(self, oracle: str, ego: Recomputed) -> list[Verdict]:
@@ -182,22 +186,35 @@ class Comparison:
                 yield self._differ(ego, "collision", stored, ego.collisions)
 
     def off_road(self) -> Iterator[Disagreement]:
-        """Compares the rows off the road, but for those at the very edge of what is allowed."""
+        """Compares the rows off the road.
+
+        At the very edge of what is allowed, a row may be either: those off the road with a wider
+        border must be among the stored ones, and these among those with a narrower one.
+        """
         for ego in self.egos:
             stored = self._violations("off_road", ego)
             said = np.zeros(ego.drive.count, dtype=np.bool_)
             for verdict in stored:
                 first = (verdict.step or 0) - ego.drive.first
-                rows = round(verdict.evidence["duration"] / self.run.step_length) + 1
+                rows = round(verdict.evidence["duration"] / self.run.step_length)
                 said[first : first + rows] = True
-            clear = np.abs(ego.outside - OFF_ROAD) > BORDER
-            own = ego.outside > OFF_ROAD
-            if np.any(clear & (said != own)):
-                yield self._differ(ego, "off_road", stretches(said), stretches(own))
+            surely, perhaps = self.rows_off_road(ego, BORDER), self.rows_off_road(ego, -BORDER)
+            if np.any(surely & ~said) or np.any(said & ~perhaps):
+                yield self._differ(ego, "off_road", stretches(said), stretches(surely))
             furthest = max((v.evidence["distance"] for v in stored), default=0.0)
             own_furthest = float(ego.outside.max(initial=0.0))
             if stored and abs(furthest - own_furthest) > BORDER:
                 yield self._differ(ego, "distance off the road", furthest, own_furthest)
+
+    def rows_off_road(self, ego: Recomputed, border: float) -> Flags:
+        """Returns the (n,) flags of rows off the road, by bounds that are ``border`` wider."""
+        found = np.zeros(ego.drive.count, dtype=np.bool_)
+        for first, last in stretches(ego.outside > OFF_ROAD + border):
+            seconds = (last + 1 - first) * self.run.step_length
+            deepest = float(ego.outside[first : last + 1].max())
+            if seconds > OFF_ROAD_TIME - 1e-6 or deepest >= FAR_OFF_ROAD + border:
+                found[first : last + 1] = True
+        return found
 
     def speeding(self) -> Iterator[Disagreement]:
         """Compares beginning and duration of every violation."""
@@ -217,7 +234,7 @@ class Comparison:
             own = [line.step for line in ego.lines if line.red]
             if stored != own:
                 yield self._differ(ego, "red_light", stored, (own, ego.lines))
-            for verdict in self._verdicts("red_light", ego, "passed"):
+            for verdict in self._verdicts("red_light", ego, "passed", "not_applicable"):
                 if verdict.evidence.get("lines") != len(ego.lines):
                     yield self._differ(ego, "stop lines", verdict.evidence, ego.lines)
 
@@ -227,7 +244,7 @@ class Comparison:
             stored = [v.step for v in self._violations("stop_sign", ego)]
             if stored != [stop.step for stop in ego.stops if stop.ran]:
                 yield self._differ(ego, "stop_sign", stored, ego.stops)
-            for verdict in self._verdicts("stop_sign", ego, "passed"):
+            for verdict in self._verdicts("stop_sign", ego, "passed", "not_applicable"):
                 if verdict.evidence.get("lines") != len(ego.stops):
                     yield self._differ(ego, "stop signs", verdict.evidence, ego.stops)
 

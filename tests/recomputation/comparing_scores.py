@@ -1,8 +1,8 @@
 """Comparison of the scores of Bench2Drive and nuPlan with a recomputation.
 
 The verdicts of oracles are their events. Those that are compared by themselves elsewhere are
-computed again here; the others (blocked, nuPlan's fault, off the road, stays outside the lanes) are
-taken as they are.
+computed again here; the others (blocked, nuPlan's fault, stays outside the lanes) are taken as they
+are.
 """
 
 from __future__ import annotations
@@ -12,7 +12,13 @@ from functools import cached_property
 
 import numpy as np
 
-from tests.recomputation.comparing import Comparison, Disagreement, Recomputed
+from tests.recomputation.comparing import (
+    BORDER,
+    OFF_ROAD,
+    Comparison,
+    Disagreement,
+    Recomputed,
+)
 from tests.recomputation.foresight import meets_soon
 from tests.recomputation.free_drive import compared_progress
 from tests.recomputation.nuplan import direction, no_collision, speed_limit, whole_score
@@ -84,9 +90,9 @@ class ScoreComparison(Comparison):
         low, high = self.progress_bounds(ego)
         rough = self.rough[self.egos.index(ego)]
         soon = bool(at_fault) or meets_soon(run, drive, ego.collisions)
+        furthest = float(ego.outside.max(initial=0.0))
         one = {
             "no_at_fault_collision": no_collision(run, at_fault),
-            "drivable_area": float(not self._violations("off_road", ego)),
             "driving_direction": direction(run, drive),
             "time_to_collision": float(not soon),
             "speed_limit": speed_limit(run, drive),
@@ -94,6 +100,10 @@ class ScoreComparison(Comparison):
         }
         return {
             **{name: (value, value) for name, value in one.items()},
+            "drivable_area": (
+                float(furthest <= OFF_ROAD - BORDER),
+                float(furthest <= OFF_ROAD + BORDER),
+            ),
             "progress_to_free_flow": (low, high),
             "making_progress": (float(low >= 0.2), float(high >= 0.2)),
         }
@@ -116,8 +126,8 @@ class ScoreComparison(Comparison):
                         yield self._differ(ego, name, stored, low)
                 elif stored is None or not low - CLOSE <= stored <= high + CLOSE:
                     yield self._differ(ego, name, stored, (low, high))
-            # From the progress that is stored, so that the whole is compared exactly.
+            # Parts that have a range as they are stored, so that the whole is compared exactly.
             told = {name: parts[name][0] for name in NUPLAN}
-            for name in ("progress_to_free_flow", "making_progress"):
+            for name in ("progress_to_free_flow", "making_progress", "drivable_area"):
                 told[name] = self._metric(f"nuplan_{name}", ego)
             yield from self._compare(ego, "nuplan_closed_loop", whole_score(told), 1e-9)

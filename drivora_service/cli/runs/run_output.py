@@ -103,7 +103,7 @@ def print_result(result: ScenarioResult, *, where: str = "") -> None:
             (
                 verdict.oracle,
                 verdict.ego,
-                verdict.outcome.replace("_", " "),
+                _outcome(verdict),
                 _fault(verdict),
                 number(verdict.time),
                 verdict.message,
@@ -172,6 +172,14 @@ def _format_violation(verdict: Verdict) -> str:
     words = IN_WORDS[accountability(verdict)]
     name = verdict.oracle.replace("_", " ")
     return f"{name} ({words})" if words else name
+
+
+def _outcome(verdict: Verdict) -> str:
+    """Returns the outcome of a verdict; a dash if there was nothing to judge: the message says it.
+
+    Most oracles have nothing to judge in most runs, and the words would take the message's room.
+    """
+    return "-" if verdict.outcome is Outcome.NOT_APPLICABLE else verdict.outcome.in_words
 
 
 def _fault(verdict: Verdict) -> str:

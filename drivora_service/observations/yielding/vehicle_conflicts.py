@@ -11,6 +11,7 @@ import numpy as np
 from drivora_service.networks.projection import project_points
 from drivora_service.networks.right_of_way import right_of_way
 from drivora_service.networks.stop_lines import WayThrough
+from drivora_service.observations.awaited_line import awaited_ways
 from drivora_service.observations.leaders import VEHICLES
 from drivora_service.observations.line_crossings import Crossing
 from drivora_service.observations.recorded_signals import signal_letter
@@ -71,12 +72,24 @@ def vehicle_conflicts(ego: EgoView, *, attention: float) -> Iterator[Conflict]:
                 )
 
 
+def gives_way_to_vehicles(ego: EgoView) -> bool:
+    """Returns whether some vehicles go before the ego at a junction that it came to.
+
+    It crossed the stop line, or was at the line when its part ended.
+    """
+    if not ego.network.path.is_file():
+        return False
+    return any(_foes_of_all_ways(ego, crossing).lanes for crossing in ego.crossings) or any(
+        _foes(ego, ego.count - 1, way).lanes for way in awaited_ways(ego)
+    )
+
+
 def _foes_of_all_ways(ego: EgoView, crossing: Crossing) -> _Foes:
     """Returns the movements that go before the ego, whichever way it was taking.
 
     An ego whose part ends soon after the line may have been on one of several ways.
     """
-    found = [_foes(ego, crossing, way) for way in crossing.ways]
+    found = [_foes(ego, crossing.front, way) for way in crossing.ways]
     if not found or not all(way.inside for way in crossing.ways):
         return _Foes(lanes=frozenset(), junction=frozenset(), incoming=frozenset())
     return _Foes(
@@ -86,9 +99,15 @@ def _foes_of_all_ways(ego: EgoView, crossing: Crossing) -> _Foes:
     )
 
 
-def _foes(ego: EgoView, crossing: Crossing, way: WayThrough) -> _Foes:
-    """Returns the movements that go before one of the ego's ways through a junction."""
-    letter = signal_letter(ego, way.connection, crossing.front)
+def _foes(ego: EgoView, row: int, way: WayThrough) -> _Foes:
+    """Returns the movements that go before one of the ego's ways through a junction.
+
+    Args:
+        ego: The ego.
+        row: Its row in which it passes the line, whose signals count.
+        way: The way.
+    """
+    letter = signal_letter(ego, way.connection, row)
     table = right_of_way(ego.network)
     own = next((table.by_lane[lane] for lane in way.inside if lane in table.by_lane), None)
     lanes: set[int] = set()
@@ -99,7 +118,7 @@ def _foes(ego: EgoView, crossing: Crossing, way: WayThrough) -> _Foes:
             foe = table.by_lane.get(lane)
             if foe is None or (letter not in _RED and own.lanes[-1] in foe.yields_to):
                 continue
-            if letter is not None and not _may_go(ego, foe.incoming, foe.lanes, crossing.front):
+            if letter is not None and not _may_go(ego, foe.incoming, foe.lanes, row):
                 continue
             lanes.update(foe.lanes)
             incoming.add(foe.incoming)

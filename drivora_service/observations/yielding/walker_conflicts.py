@@ -9,13 +9,13 @@ from functools import lru_cache
 
 import numpy as np
 import shapely
-from shapely import LineString, Polygon
+from shapely import LineString, Polygon, STRtree
 
 from drivora_service.networks.right_of_way import right_of_way
 from drivora_service.networks.road_network import Connection, RoadNetwork
-from drivora_service.observations.recorded_signals import signal_letter
+from drivora_service.observations.recorded_signals import signal_letter, signal_shown
 from drivora_service.observations.run_view import EgoView
-from drivora_service.observations.trace import Col, Role
+from drivora_service.observations.trace import Col, Light, Role
 from drivora_service.observations.yielding.conflict import Conflict
 from drivora_service.observations.yielding.encroachment import least_lag
 
@@ -56,6 +56,36 @@ def walker_conflicts(ego: EgoView, *, attention: float) -> Iterator[Conflict]:
             lag = least_lag(ego, walker.row, first, leaves, last)
             if math.isfinite(lag):
                 yield Conflict(row=first, other=walker.row, lag=lag, braking=0.0, place="crossing")
+
+
+def gives_way_to_walkers(ego: EgoView) -> bool:
+    """Returns whether walkers go before the ego on a crossing that it drove over, if any come."""
+    crossings = _crossings(ego.network)
+    moving = np.flatnonzero(ego.speed >= _MOVING)
+    if not crossings or not len(moving):
+        return False
+    boxes = shapely.polygons(ego.corners[moving])
+    rows, places = _crossing_tree(ego.network).query(boxes, predicate="intersects")
+    for place in np.unique(places).tolist():
+        on = moving[rows[places == place]]
+        crossing, _, entries = crossings[place]
+        shown = [
+            signal[on.min() : on.max() + 1]
+            for entry in entries
+            if (signal := signal_shown(ego, entry)) is not None
+        ]
+        if shown:
+            goes_first = any((signal == Light.GREEN).any() for signal in shown)
+        else:
+            goes_first = _gives_way_on(ego, crossing, entries, int(on.min()))
+        if goes_first:
+            return True
+    return False
+
+
+@lru_cache(maxsize=32)
+def _crossing_tree(network: RoadNetwork) -> STRtree:
+    return STRtree([area for _, area, _ in _crossings(network)])
 
 
 @lru_cache(maxsize=32)

@@ -40,6 +40,8 @@ class Law:
         parameters: Numbers that the formula names.
         text: The formula as written, in one line.
         formula: What must hold in every row.
+        condition: In normal form, what must hold for the law to ask for anything: A of
+            ``always (A -> B)``; ``None`` for a law of another form.
         violation: Its negation, in normal form.
         sub_violations: The ways to violate it, in normal form; their disjunction is ``violation``.
         file: Name of its file.
@@ -55,6 +57,7 @@ class Law:
     parameters: tuple[LawParameter, ...]
     text: str
     formula: Formula
+    condition: Formula | None
     violation: Formula
     sub_violations: tuple[Formula, ...]
     file: str

@@ -16,7 +16,13 @@ from drivora_service.oracles.laws.formula import Formula
 from drivora_service.oracles.laws.law import Law
 from drivora_service.oracles.laws.law_signals import signal_values
 from drivora_service.oracles.laws.robustness import LEAST, MOST, Robustness
-from drivora_service.oracles.verdict import Verdict, not_started, passed, violated
+from drivora_service.oracles.verdict import (
+    Verdict,
+    not_applicable,
+    not_started,
+    passed,
+    violated,
+)
 
 MOST_POINTS = 60
 """Greatest number of points of a curve in a verdict."""
@@ -34,6 +40,7 @@ class LawOracle:
     """Violated where the robustness of a traffic law is negative.
 
     What happens before the ego's part and after its end is not known, and taken in its favour.
+    There is nothing to judge if the condition of the law, A of ``always (A -> B)``, never held.
     """
 
     law: Law
@@ -54,13 +61,24 @@ class LawOracle:
         least = round(float(robustness.min()), _DECIMALS)
         violations = _merge_stretches(stretches(robustness < 0.0), ego.step_length)
         if not violations:
-            message = f"Kept (robustness {least:+.2f})."
-            ways = len(self.law.sub_violations)
-            return [passed(self.name, ego, message, robustness=least, ways=ways)]
+            # Law coverage and searches read these, whether there was something to judge or not.
+            facts = {"robustness": least, "ways": len(self.law.sub_violations)}
+            if not self._has_applied(ego):
+                message = "The condition of the law never held."
+                return [not_applicable(self.name, ego, message, **facts)]
+            return [passed(self.name, ego, f"Kept (robustness {least:+.2f}).", **facts)]
         curve = _curve(ego, robustness)
         return [
             self._make_violation(ego, robustness, first, last, curve) for first, last in violations
         ]
+
+    def _has_applied(self, ego: EgoView) -> bool:
+        """Returns whether the condition of the law may have held in a row.
+
+        What is not recorded may have been as the condition requires.
+        """
+        condition = self.law.condition
+        return condition is None or float(_over(ego, beyond=MOST).of(condition).max()) > 0.0
 
     def _make_violation(
         self,

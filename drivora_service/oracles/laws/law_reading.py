@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.oracles.laws.formula import Implies
 from drivora_service.oracles.laws.law import MAX_SUB_VIOLATIONS, Law, LawParameter
 from drivora_service.oracles.laws.law_documents import LawDocument, LawFileDocument
 from drivora_service.oracles.laws.law_signals import BY_NAME
@@ -109,6 +110,7 @@ def _law(document: LawDocument, file: str, digest: str) -> Law:
         ),
         text=" ".join(document.formula.split()).replace("( ", "(").replace(" )", ")"),
         formula=normal_form(formula),
+        condition=normal_form(formula.condition) if isinstance(formula, Implies) else None,
         violation=normal_form(formula, negated=True),
         sub_violations=sub_violations(formula),
         file=file,

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from drivora_service.oracles.verdict import Answer
+from drivora_service.oracles.verdict import Answer, Outcome
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountable
 from drivora_service.shapes import Shape
 
@@ -64,9 +64,9 @@ def _in_words(verdicts: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], st
 
 
 def _words(verdict: Mapping[str, Any]) -> str:
-    outcome = str(verdict["outcome"])
-    text = outcome.replace("_", " ")
-    if outcome != "violated":
+    outcome = Outcome(verdict["outcome"])
+    text = outcome.in_words
+    if outcome is not Outcome.VIOLATED:
         return text
     avoidable = verdict.get("avoidable")
     words = IN_WORDS[

@@ -10,7 +10,7 @@ from pydantic_core import from_json
 from sqlalchemy import ColumnElement, String, cast, exists, literal, select, tuple_
 from sqlalchemy.orm import Session
 
-from drivora_service.oracles.verdict import Outcome
+from drivora_service.oracles.verdict import WITHOUT_FINDING
 from drivora_service.oracles.verdicts.failure_definition import definition_of_document
 from drivora_service.runs.run_report import RunReport
 from drivora_service.shapes import adapter, field_names
@@ -131,7 +131,7 @@ def _campaigns(session: Session, seqs: Iterable[int]) -> Mapping[int, CampaignRo
 def _without_details(report: Mapping[str, Any]) -> RunReport:
     """Returns a report without what only tables of details have; reading all takes far longer."""
     verdicts = report.get("verdicts") or ()
-    notable = [one for one in verdicts if one["outcome"] != Outcome.PASSED]
+    notable = [one for one in verdicts if one["outcome"] not in WITHOUT_FINDING]
     kept = {name: report[name] for name in _KEPT if name in report}
     short: RunReport = adapter(RunReport).validate_python({**kept, "verdicts": notable})
     return short

@@ -1,11 +1,11 @@
-"""The verdicts of a report that did not pass, which are stored in rows of their own."""
+"""The verdicts of a report that found something, which are stored in rows of their own."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.oracles.verdict import WITHOUT_FINDING, Outcome, Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability, accountability
 from drivora_service.oracles.verdicts.failure_definition import (
     DEFAULT_DEFINITION,
@@ -40,7 +40,7 @@ _VIOLATIONS = FailureDefinition(counts=Counted.ANY)
 def notable_verdicts(
     report: RunReport, definition: FailureDefinition = DEFAULT_DEFINITION
 ) -> Sequence[NotableVerdict]:
-    """Returns the verdicts of a report that did not pass, in their order.
+    """Returns the verdicts of a report that are violated or not measurable, in their order.
 
     Args:
         report: The report.
@@ -51,7 +51,7 @@ def notable_verdicts(
     found = []
     for place, verdict in enumerate(report.verdicts):
         outcome = verdict.outcome
-        if outcome is Outcome.PASSED:
+        if outcome in WITHOUT_FINDING:
             continue
         if outcome is Outcome.VIOLATED:
             is_violation = finished and _VIOLATIONS.is_failure(verdict)

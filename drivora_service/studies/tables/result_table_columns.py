@@ -115,7 +115,11 @@ _VERDICTS = (
     _column("place", _COUNT, "place among the verdicts of the run, from 0"),
     _column("oracle", _TEXT, "name of the oracle"),
     _column("ego", _TEXT, "id of the ego"),
-    _column("outcome", _TEXT, "`passed`, `violated` or `not_measurable`"),
+    _column(
+        "outcome",
+        _TEXT,
+        "`passed`, `violated`, `not_applicable` (nothing to judge) or `not_measurable`",
+    ),
     _or_null(
         "severity",
         _TEXT,

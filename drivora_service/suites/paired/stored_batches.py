@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from drivora_service.oracles.verdict import Outcome
+from drivora_service.oracles.verdict import WITHOUT_FINDING
 from drivora_service.oracles.verdicts.failure_definition import (
     DEFAULT_DEFINITION,
     FailureDefinition,
@@ -110,8 +110,8 @@ def _run(
         cause=job.cause,
         trace_sha256="" if report is None else report.trace_sha256,
         oracles=frozenset(verdict.oracle for verdict in verdicts),
-        # Batches have thousands of runs, and most verdicts are passed.
-        verdicts=tuple(v for v in verdicts if v.outcome is not Outcome.PASSED),
+        # Batches have thousands of runs, and most verdicts have no finding.
+        verdicts=tuple(v for v in verdicts if v.outcome not in WITHOUT_FINDING),
         metrics={} if report is None else report.metrics,
         agents={} if report is None else report.agents,
         agent=job.agent,

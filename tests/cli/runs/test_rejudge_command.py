@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from drivora_service.oracles.verdict import Outcome
 from tests.cli.conftest import Drivora
 
 
@@ -40,7 +41,7 @@ def test_what_changed_is_said_and_decides_the_exit_code(drivora: Drivora, result
     assert run["compared"]
     assert {(c["oracle"], c["before"], c["after"]) for c in run["changes"]} == {
         ("collision", "violated (at fault)", "passed"),
-        (dropped["oracle"], "not judged", dropped["outcome"].replace("_", " ")),
+        (dropped["oracle"], "not judged", Outcome(dropped["outcome"]).in_words),
     }
     table = drivora("rejudge", results)
     assert "violated (at fault)" in table.out

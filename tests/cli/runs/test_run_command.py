@@ -72,6 +72,18 @@ def test_parameters_of_agents_are_set_and_kept_with_the_trace(
     assert "allowed: NAME=VALUE" in " ".join(malformed.err.split())
 
 
+def test_a_verdict_without_anything_to_judge_is_a_dash_with_its_reason(
+    drivora: Drivora, scenario_file: Path
+) -> None:
+    ended = drivora("run", scenario_file)
+    (line,) = (line for line in ended.out.splitlines() if line.split()[:1] == ["deadlock"])
+    assert line.split()[2] == "-"
+    assert "The run has no other ego to wait for." in " ".join(ended.out.split())
+    verdicts = drivora("run", scenario_file, "--json").json()["verdicts"]
+    (verdict,) = (verdict for verdict in verdicts if verdict["oracle"] == "deadlock")
+    assert verdict["outcome"] == "not_applicable"
+
+
 def test_a_folder_is_a_batch_in_which_broken_files_harm_no_run(
     drivora: Drivora, tmp_path: Path
 ) -> None:

@@ -61,6 +61,28 @@ def test_a_kept_law_has_its_least_robustness() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("condition", "outcome"),
+    [
+        ("speed > 20 -> light_red", Outcome.NOT_APPLICABLE),
+        ("speed > 7 -> speed < 9", Outcome.PASSED),
+        ("speed > 7 -> light_red", Outcome.VIOLATED),
+        # What is before the record may have been as the condition requires.
+        ("historically[0:9] (speed > 2) -> speed < 9", Outcome.PASSED),
+        # The same without an implication: a law of another form is always judged.
+        ("not (speed > 20) or light_red", Outcome.PASSED),
+    ],
+)
+def test_without_its_condition_a_law_has_nothing_to_judge(condition: str, outcome: Outcome) -> None:
+    verdict, *_ = _judge(condition, _speeds(3.0, 8.0, 5.0))
+    assert verdict.outcome is outcome
+    assert verdict.evidence["ways"] == 1
+    if outcome is Outcome.NOT_APPLICABLE:
+        # A search still sees how near the condition was.
+        assert verdict.evidence["robustness"] == 1.0
+        assert verdict.message == "The condition of the law never held."
+
+
 def test_a_violated_law_says_when_and_how() -> None:
     (verdict,) = _judge("speed <= 6 and speed_limit > 2", _speeds(3.0, 8.0, 9.0, 5.0))
     assert verdict.outcome is Outcome.VIOLATED

@@ -11,6 +11,7 @@ def test_verdicts_are_compared_by_oracle_and_ego_in_words() -> None:
         {"oracle": "collision", "ego": "two", "outcome": "passed"},
         {"oracle": "speeding", "ego": "one", "outcome": "violated"},
         {"oracle": "gone", "ego": "one", "outcome": "not_measurable"},
+        {"oracle": "red_light", "ego": "one", "outcome": "passed"},
     ]
     after: list[dict[str, Any]] = [
         {"oracle": "collision", "ego": "one", "outcome": "violated", "at_fault": False},
@@ -18,12 +19,14 @@ def test_verdicts_are_compared_by_oracle_and_ego_in_words() -> None:
         {"oracle": "speeding", "ego": "one", "outcome": "violated"},
         {"oracle": "speeding", "ego": "one", "outcome": "violated"},
         {"oracle": "new", "ego": "two", "outcome": "passed"},
+        {"oracle": "red_light", "ego": "one", "outcome": "not_applicable"},
     ]
     changes = verdict_changes(before, after)
     assert [(one.oracle, one.ego, one.before, one.after) for one in changes] == [
         ("collision", "one", "violated (at fault)", "violated (not at fault)"),
         ("speeding", "one", "violated", "2 times violated"),
         ("new", "two", "not judged", "passed"),
+        ("red_light", "one", "passed", "nothing to judge"),
         ("gone", "one", "not measurable", "not judged"),
     ]
     assert verdict_changes(after, after) == ()

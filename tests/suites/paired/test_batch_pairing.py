@@ -94,6 +94,16 @@ def test_oracles_are_corrected_together_and_not_measurable_ones_left_out() -> No
     assert found.failures.a_only == 8
 
 
+def test_nothing_to_judge_counts_as_passed() -> None:
+    first = [run(f"s{n}", fails=["red_light"]) for n in range(8)]
+    second = [run(f"s{n}", passes=("red_light",)) for n in range(8)]
+    idle = verdict("red_light", Outcome.NOT_APPLICABLE, at_fault=None)
+    third = [run(f"s{n}", passes=("red_light",), verdicts=(idle,)) for n in range(8)]
+    (passed,) = compare_runs(batch(first), batch(second)).by_oracle
+    assert compare_runs(batch(first), batch(third)).by_oracle == (passed,)
+    assert (passed.a_only, passed.not_measurable) == (8, 0)
+
+
 def test_repeated_seeds_count_as_one_scenario() -> None:
     def seeds(label: str, fails: list[int]) -> list[object]:
         return [run(label, seed=n, fails=["collision"] * fail) for n, fail in enumerate(fails)]

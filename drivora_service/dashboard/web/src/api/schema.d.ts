@@ -5733,10 +5733,10 @@ export interface components {
         Others: "vehicles" | "walkers" | "obstacles" | "egos" | "none";
         /**
          * Outcome
-         * @description The three possible outcomes of an oracle.
+         * @description The four possible outcomes of an oracle.
          * @enum {string}
          */
-        Outcome: "passed" | "violated" | "not_measurable";
+        Outcome: "passed" | "violated" | "not_applicable" | "not_measurable";
         /**
          * OverviewRow
          * @description A method, or an agent, against the baseline, by one measure in all places of the study.
@@ -8896,7 +8896,7 @@ export interface components {
              * @description Name of the oracle.
              */
             oracle: string;
-            /** @description Violated, passed or not measurable (`message` has the reason). */
+            /** @description Violated, passed, nothing to judge or not measurable (`message` has the reason). */
             outcome: components["schemas"]["Outcome"];
             /** @description Whether full braking or steering without delay from the same moment on would have avoided it; `None` if the oracle does not measure that. */
             physically_avoidable?: components["schemas"]["Answer"] | null;
@@ -15567,8 +15567,8 @@ export interface operations {
                     /**
                      * @example run_id,oracle,outcome,at_fault,message
                      *     0193a5b0c4d2000000000002,collision,violated,true,Collided with container at 8.0 m/s: the other had stood long enough to keep clear of it.
-                     *     0193a5b0c4d2000000000002,red_light,passed,,"Crossed 0 stop lines, none on red."
-                     *     0193a5b0c4d2000000000002,stop_sign,passed,,Stood at all of 0 stop signs.
+                     *     0193a5b0c4d2000000000002,red_light,not_applicable,,No stop line with a signal on the way.
+                     *     0193a5b0c4d2000000000002,stop_sign,not_applicable,,No stop sign on the way.
                      */
                     "text/csv": string;
                 };

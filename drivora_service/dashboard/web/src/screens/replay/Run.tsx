@@ -177,6 +177,7 @@ function NoRecording({ run }: { readonly run: Schemas["Run"] }) {
 const OUTCOMES: Readonly<Record<Schemas["Outcome"], MarkLook>> = {
   passed: { sign: "✓", tone: "good", text: "passed" },
   violated: { sign: "✕", tone: "bad", text: "violated" },
+  not_applicable: { sign: "·", tone: "quiet", text: "nothing to judge" },
   not_measurable: { sign: "–", tone: "lost", text: "not measurable" },
 };
 
@@ -190,6 +191,7 @@ function Verdicts({ run }: { readonly run: Schemas["Run"] }) {
     ...gravestFirst(verdicts, failuresOf(run)),
     ...verdicts.filter(({ outcome }) => outcome === "not_measurable"),
     ...verdicts.filter(({ outcome }) => outcome === "passed"),
+    ...verdicts.filter(({ outcome }) => outcome === "not_applicable"),
   ];
   return (
     <DataTable label="Verdicts" columns={VERDICTS} rows={rows} idOf={verdictId} height="50vh" />

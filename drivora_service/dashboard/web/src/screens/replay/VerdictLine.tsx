@@ -40,6 +40,7 @@ export function VerdictLine({
   const observed = own.filter((one) => one !== first && !others.includes(one));
   const artefacts = artefactsOf(verdicts);
   const unclear = verdicts.filter(({ outcome }) => outcome === "not_measurable");
+  const idle = verdicts.filter(({ outcome }) => outcome === "not_applicable");
   const rest = alike([...others, ...observed, ...(isUnfolded ? following : [])]);
   return (
     <div className="verdict-line whole-width">
@@ -55,7 +56,7 @@ export function VerdictLine({
             </span>
           )}
         </>
-      ) : verdicts.length > unclear.length ? (
+      ) : verdicts.length > unclear.length + idle.length ? (
         <span>
           <Mark sign="✓" tone="good" text="No oracle was violated" />
           {observed.length > 0 && (
@@ -90,17 +91,28 @@ export function VerdictLine({
           {isUnfolded ? "Fold what follows" : followingWords(following)}
         </button>
       )}
-      {unclear.length > 0 && (
-        <span
-          className="quiet"
-          title={unclear
-            .map(({ oracle, ego, message }) => `${oracle}, ${ego}: ${message}`)
-            .join("\n")}
-        >
-          {unclear.length} not measurable
-        </span>
-      )}
+      <Counted verdicts={unclear} words="not measurable" />
+      <Counted verdicts={idle} words="with nothing to judge" />
     </div>
+  );
+}
+
+/** How many verdicts have an outcome; which they are, and why, is in the tooltip. */
+function Counted({
+  verdicts,
+  words,
+}: {
+  readonly verdicts: readonly Verdict[];
+  readonly words: string;
+}) {
+  if (verdicts.length === 0) return null;
+  return (
+    <span
+      className="quiet"
+      title={verdicts.map(({ oracle, ego, message }) => `${oracle}, ${ego}: ${message}`).join("\n")}
+    >
+      {verdicts.length} {words}
+    </span>
   );
 }
 
