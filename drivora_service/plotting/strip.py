@@ -57,7 +57,9 @@ class Moments:
     mark: Mark | None
 
 
-def choose_moments(trace: Trace, verdicts: Sequence[Verdict], count: int) -> Moments:
+def choose_moments(
+    trace: Trace, verdicts: Sequence[Verdict], count: int, *, shown: Verdict | None = None
+) -> Moments:
     """Chooses the most informative moments of a run.
 
     These are the seconds before its gravest violation, one moment each, the last of them the
@@ -66,12 +68,21 @@ def choose_moments(trace: Trace, verdicts: Sequence[Verdict], count: int) -> Mom
     Without a violation of an oracle that attributes fault: moments at equal distances from the
     first ego's start to its end.
 
+    Args:
+        trace: The run.
+        verdicts: Verdicts of the oracles.
+        count: Number of moments.
+        shown: The violation that the moments lead to, one of the verdicts; ``None``: the gravest.
+
     Raises:
         ValueError: ``count`` is not 2 to 12.
     """
     if not 2 <= count <= MOST_MOMENTS:
         raise ValueError(f"a strip has 2 to {MOST_MOMENTS} moments, not {count}")
-    mark = _gravest(marks_of(verdicts))
+    marks = marks_of(verdicts)
+    mark = _gravest(marks)
+    if shown is not None:
+        mark = next(one for one in marks if one.verdict == shown)
     if mark is None or mark.verdict.step is None:
         first, last = _presence(trace, 0)
         steps = np.linspace(first, last, count).round().astype(int)
@@ -109,20 +120,23 @@ def draw_strip(
     target: Path,
     *,
     count: int = 5,
+    shown: Verdict | None = None,
 ) -> None:
     """Draws a run as moments side by side; the same run yields the same bytes.
 
     Args:
         trace: The recorded run.
         network: The network of the run.
-        verdicts: Verdicts of the oracles; the gravest violation determines the moments.
+        verdicts: Verdicts of the oracles.
         target: Path of the file; ends in ``.svg`` or ``.png``.
         count: Number of moments; fewer if the run is too short.
+        shown: The violation that determines the moments, one of the verdicts; ``None``: the
+            gravest.
 
     Raises:
         ValueError: The target has another suffix, or ``count`` is not 2 to 12.
     """
-    moments = choose_moments(trace, verdicts, count)
+    moments = choose_moments(trace, verdicts, count, shown=shown)
     width = len(moments.steps) * (_SIDE_IN + _GAP_IN) + _GAP_IN
     height = _SIDE_IN + _TITLE_IN + _FOOT_IN + _GAP_IN
     with open_picture(target, width_in=width, height_in=height) as figure:

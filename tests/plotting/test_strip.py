@@ -77,6 +77,15 @@ def test_of_two_collisions_at_fault_the_avoidable_one_is_shown(trace: Trace) -> 
     assert choose_moments(trace, verdicts, 3).steps[-1] == 90
 
 
+def test_a_violation_that_is_asked_for_is_shown_whatever_its_gravity(trace: Trace) -> None:
+    blocked = verdict(trace, 60, oracle="blocked", at_fault=None)
+    verdicts = [verdict(trace, 90, at_fault=True, ego="other"), blocked]
+    moments = choose_moments(trace, verdicts, 3, shown=blocked)
+    assert (moments.steps[-1], moments.ego) == (60, 0)
+    assert moments.mark is not None
+    assert moments.mark.verdict is blocked
+
+
 @pytest.mark.parametrize("oracle", ["discomfort", ""])
 def test_without_a_violation_that_knows_fault_the_whole_way_is_shown(
     trace: Trace, oracle: str

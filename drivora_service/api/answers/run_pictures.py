@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections import OrderedDict
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import partial
 from http import HTTPStatus
 from importlib.metadata import version
@@ -13,13 +15,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
 
-from fastapi import Query, Request, Response
+from fastapi import Depends, Query, Request, Response
 
 from drivora_service.api.context import ApiContext
 from drivora_service.api.guards.compression import compressed_answer, negotiate_coding
 from drivora_service.api.guards.entity_tags import digest, is_known
 from drivora_service.api.problem_details import ApiError
-from drivora_service.oracles.verdict import Verdict
+from drivora_service.errors import UnknownName
+from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.oracles.verdicts.verdict_json import verdict_to_json
 
 if TYPE_CHECKING:
@@ -36,6 +39,70 @@ MOST_WAITING = 64
 Moments = Annotated[
     int, Query(ge=2, le=12, description="Moments side by side; fewer if the run is too short.")
 ]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AskedViolation:
+    """The violation that the moments of a picture lead to.
+
+    Attributes:
+        oracle: The oracle; "": the gravest violation of the run.
+        ego: Id of the ego; "": of any.
+        step: Row of the trace at which it begins; ``None``: the earliest.
+    """
+
+    oracle: str = ""
+    ego: str = ""
+    step: int | None = None
+
+    def find_in(self, verdicts: Sequence[Verdict]) -> Verdict | None:
+        """Returns the violation; ``None`` for the gravest.
+
+        Raises:
+            UnknownName: The run has no such violation.
+        """
+        if not self.oracle:
+            return None
+        found = [
+            one
+            for one in verdicts
+            if one.outcome is Outcome.VIOLATED
+            and one.oracle == self.oracle
+            and self.ego in ("", one.ego)
+            and self.step in (None, one.step)
+        ]
+        if not found:
+            violated = {one.oracle for one in verdicts if one.outcome is Outcome.VIOLATED}
+            raise UnknownName("violation", self.oracle, tuple(sorted(violated)))
+        return min(found, key=lambda one: math.inf if one.step is None else one.step)
+
+
+def read_asked_violation(
+    oracle: Annotated[
+        str,
+        Query(
+            max_length=60,
+            description="The moments lead to a violation of this oracle; without it, to the "
+            "gravest of the run.",
+        ),
+    ] = "",
+    ego: Annotated[
+        str, Query(max_length=200, description="With `oracle`: of the ego with this id.")
+    ] = "",
+    step: Annotated[
+        int | None,
+        Query(
+            ge=0,
+            description="With `oracle`: the violation that begins in this row of the trace, not "
+            "the earliest.",
+        ),
+    ] = None,
+) -> AskedViolation:
+    """Reads from a request which violation its picture shows."""
+    return AskedViolation(oracle=oracle, ego=ego, step=step)
+
+
+Asked = Annotated[AskedViolation, Depends(read_asked_violation)]
 
 
 class Pictures:
@@ -66,6 +133,7 @@ class Pictures:
         verdicts: Sequence[Verdict],
         *,
         moments: int,
+        shown: Verdict | None = None,
     ) -> bytes:
         """Returns a strip of moments of a run as SVG.
 
@@ -73,8 +141,9 @@ class Pictures:
             name: Stands for the picture's content; equal requests wait for one drawing.
             stored: Trace of the run.
             network: Its road network.
-            verdicts: Its verdicts; the gravest violation determines the moments.
+            verdicts: Its verdicts.
             moments: Number of moments.
+            shown: The violation that determines the moments; ``None``: the gravest.
 
         Raises:
             ApiError: Too many pictures wait to be drawn.
@@ -92,7 +161,7 @@ class Pictures:
                     headers={"Retry-After": "2"},
                 )
             drawn = self._waiting[name] = asyncio.get_running_loop().run_in_executor(
-                self._drawer, _draw, stored, network, verdicts, moments
+                self._drawer, _draw, stored, network, verdicts, moments, shown
             )
             drawn.add_done_callback(partial(self._keep_picture, name))
         # The client may go: others wait for the same, and it is kept.
@@ -118,6 +187,7 @@ async def picture_answer(
     town: str,
     verdicts: Sequence[Verdict],
     moments: int,
+    asked: AskedViolation,
 ) -> Response:
     """Answers with the strip of a run, which is drawn unless the client or the memory has it.
 
@@ -128,26 +198,34 @@ async def picture_answer(
         town: Name of its road network.
         verdicts: Its verdicts.
         moments: Number of moments.
+        asked: The violation that the moments lead to.
 
     Raises:
-        UnknownName: The road network is not in the catalogue any more.
+        UnknownName: The road network is not in the catalogue any more, or the run has no such
+            violation.
         TraceDamaged: The file is not the trace that was recorded.
     """
+    shown = asked.find_in(verdicts)
     network = await asyncio.to_thread(context.networks.get, town)
     # Equal recordings may have been judged by different oracles, and drawn by another version.
     judged = digest("".join(verdict_to_json(one) for one in verdicts).encode())
     parts = (stored.sha256[:32], network.sha256[:16], judged[:16], version("drivora"))
-    etag = "-".join((*parts, str(moments)))
+    which = () if shown is None else (digest(verdict_to_json(shown).encode())[:16],)
+    etag = "-".join((*parts, str(moments), *which))
     _, headers = negotiate_coding(request, etag)
     if is_known(request, headers["ETag"].strip('"')):
         return Response(status_code=304, headers=headers)
     pictures: Pictures = request.app.state.pictures
-    picture = await pictures.strip(etag, stored, network, verdicts, moments=moments)
+    picture = await pictures.strip(etag, stored, network, verdicts, moments=moments, shown=shown)
     return compressed_answer(request, lambda: picture, media_type=SVG, etag=etag)
 
 
 def _draw(
-    stored: StoredTrace, network: RoadNetwork, verdicts: Sequence[Verdict], moments: int
+    stored: StoredTrace,
+    network: RoadNetwork,
+    verdicts: Sequence[Verdict],
+    moments: int,
+    shown: Verdict | None,
 ) -> bytes:
     # Imported here: it takes half a second, and many services never draw.
     from drivora_service.observations.trace_files.checked_trace import read_checked_trace
@@ -155,5 +233,6 @@ def _draw(
 
     with TemporaryDirectory() as folder:
         target = Path(folder) / "run.svg"
-        draw_strip(read_checked_trace(stored), network, verdicts, target, count=moments)
+        trace = read_checked_trace(stored)
+        draw_strip(trace, network, verdicts, target, count=moments, shown=shown)
         return target.read_bytes()

@@ -11,7 +11,7 @@ from fastapi import Depends, Path, Query, Request, Response
 from drivora_service.api.answers.query_parameters import Frames, Limit, PageToken
 from drivora_service.api.answers.recorded_frames import observations_answer
 from drivora_service.api.answers.recorded_run import find_recorded_evaluation
-from drivora_service.api.answers.run_pictures import Moments, picture_answer
+from drivora_service.api.answers.run_pictures import Asked, Moments, picture_answer
 from drivora_service.api.answers.table_answer import Columns, table_answer
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import recorded_examples
@@ -172,6 +172,7 @@ async def get_picture(
     context: Context,
     campaign_id: str,
     number: Number,
+    asked: Asked,
     moments: Moments = 5,
 ) -> Response:
     """Returns a strip of moments of the second, identical run of a failing candidate, as SVG."""
@@ -184,6 +185,7 @@ async def get_picture(
         town=run.record.town,
         verdicts=run.record.verdicts,
         moments=moments,
+        asked=asked,
     )
 
 

@@ -12,7 +12,7 @@ from drivora_service.api.answers.query_parameters import Filter, Frames, Limit, 
 from drivora_service.api.answers.recorded_frames import observations_answer
 from drivora_service.api.answers.recorded_run import find_recorded_run
 from drivora_service.api.answers.run_lookup import find_document, find_overrides, find_run
-from drivora_service.api.answers.run_pictures import Moments, picture_answer
+from drivora_service.api.answers.run_pictures import Asked, Moments, picture_answer
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import recorded_examples
 from drivora_service.api.documentation.openapi import (
@@ -126,9 +126,9 @@ def get_observations(
     responses=picture_answers(recorded_examples.PICTURE, 401, 403, 404, 409, 422, 503),
 )
 async def get_picture(
-    request: Request, context: Context, run_id: str, moments: Moments = 5
+    request: Request, context: Context, run_id: str, asked: Asked, moments: Moments = 5
 ) -> Response:
-    """Returns a strip of moments of a run: those that lead to its gravest violation, as SVG."""
+    """Returns a strip of moments of a run: those that lead to a violation, as SVG."""
     run = await asyncio.to_thread(find_recorded_run, context, run_id)
     return await picture_answer(
         request,
@@ -137,4 +137,5 @@ async def get_picture(
         town=run.record.town,
         verdicts=run.record.verdicts,
         moments=moments,
+        asked=asked,
     )

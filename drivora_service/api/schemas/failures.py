@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from urllib.parse import urlencode
 
+from drivora_service.oracles.verdict import Verdict
 from drivora_service.shapes import combine
 from drivora_service.store.failures import failure_records
 
@@ -15,8 +17,8 @@ class FoundFailure(failure_records.FoundFailure):
     Attributes:
         run_url: Address of its run; empty if there is none any more.
         scenario_url: Address of its scenario.
-        picture_url: Address of a picture of its moments; empty if none can be drawn, because
-            nothing is recorded.
+        picture_url: Address of a picture of the moments that lead to it; empty if none can be
+            drawn, because nothing is recorded.
     """
 
     run_url: str
@@ -34,5 +36,11 @@ def found_failure_of(failure: failure_records.FoundFailure, base: str) -> FoundF
         failure,
         run_url=run,
         scenario_url=f"{own}/scenario",
-        picture_url=f"{own}/picture" if failure.is_recorded else "",
+        picture_url=f"{own}/picture?{_query(failure.verdict)}" if failure.is_recorded else "",
     )
+
+
+def _query(verdict: Verdict) -> str:
+    """Returns the query of a picture that shows a violation, and not the gravest of its run."""
+    told = {"oracle": verdict.oracle, "ego": verdict.ego, "step": verdict.step}
+    return urlencode({name: value for name, value in told.items() if value is not None})

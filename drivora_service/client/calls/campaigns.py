@@ -208,13 +208,25 @@ def evaluation_observations(
     )
 
 
-def evaluation_picture(campaign_id: str, number: int, *, moments: int | None = None) -> Call[bytes]:
+def evaluation_picture(
+    campaign_id: str,
+    number: int,
+    *,
+    moments: int | None = None,
+    oracle: str = "",
+    ego: str = "",
+    step: int | None = None,
+) -> Call[bytes]:
     """Returns a strip of moments of the second, identical run of a failing candidate as SVG.
 
     Args:
         campaign_id: Id of the campaign.
         number: Number of the evaluation, from 0.
         moments: Number of moments, 2 to 12; ``None``: as the service has it.
+        oracle: The moments lead to a violation of this oracle; "": to the gravest.
+        ego: With ``oracle``: of this ego.
+        step: With ``oracle``: the violation that begins in this row of the trace; ``None``: the
+            earliest.
 
     Raises:
         NotFound: It was not run again.
@@ -222,7 +234,7 @@ def evaluation_picture(campaign_id: str, number: int, *, moments: int | None = N
     return get(
         f"{_CAMPAIGN}/evaluations/{{number}}/picture",
         bytes,
-        query={"moments": moments},
+        query={"moments": moments, "oracle": oracle, "ego": ego, "step": step},
         campaign_id=campaign_id,
         number=number,
     )

@@ -140,16 +140,30 @@ def observation_query(
     }
 
 
-def run_picture(run_id: str, *, moments: int | None = None) -> Call[bytes]:
-    """Returns a strip of moments of a run as SVG: those that lead to its gravest violation.
+def run_picture(
+    run_id: str,
+    *,
+    moments: int | None = None,
+    oracle: str = "",
+    ego: str = "",
+    step: int | None = None,
+) -> Call[bytes]:
+    """Returns a strip of moments of a run as SVG: those that lead to a violation.
 
     Args:
         run_id: Id of the run.
         moments: Number of moments, 2 to 12; ``None``: as the service has it.
+        oracle: The moments lead to a violation of this oracle; "": to the gravest.
+        ego: With ``oracle``: of this ego.
+        step: With ``oracle``: the violation that begins in this row of the trace; ``None``: the
+            earliest.
 
     Raises:
-        NotFound: It recorded nothing, or not yet.
+        NotFound: It recorded nothing, or not yet, or has no such violation.
     """
     return get(
-        f"{PREFIX}/runs/{{run_id}}/picture", bytes, query={"moments": moments}, run_id=run_id
+        f"{PREFIX}/runs/{{run_id}}/picture",
+        bytes,
+        query={"moments": moments, "oracle": oracle, "ego": ego, "step": step},
+        run_id=run_id,
     )

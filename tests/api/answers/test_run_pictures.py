@@ -52,12 +52,37 @@ def test_a_failure_names_the_address_of_its_picture(
 ) -> None:
     wanted = {"oracle": "collision", "since": crashed["created_at"], "agent": "scripted"}
     (failure, *_) = http.get("/api/v1/failures", params=wanted).json()["items"]
-    assert failure["picture_url"] == f"/api/v1/runs/{crashed['id']}/picture"
+    verdict = failure["verdict"]
+    assert failure["picture_url"] == (
+        f"/api/v1/runs/{crashed['id']}/picture?oracle=collision&ego={verdict['ego']}"
+        f"&step={verdict['step']}"
+    )
+    assert http.get(failure["picture_url"]).status_code == 200
     found = http.get("/api/v1/failures", params={"campaign": finished["id"]}).json()["items"]
     recorded = next(one for one in found if one["is_recorded"])
     answer = http.get(recorded["picture_url"])
     assert answer.status_code == 200, answer.text
     assert width(answer.text) > 0.0
+
+
+def test_a_picture_leads_to_the_violation_that_is_asked_for(
+    http: httpx.Client, crashed: Json
+) -> None:
+    url = f"/api/v1/runs/{crashed['id']}/picture"
+    gravest = http.get(url)
+    shown = {}
+    for verdict in crashed["verdicts"]:
+        if verdict["outcome"] == "violated":
+            asked = {name: verdict[name] for name in ("oracle", "ego", "step")}
+            answer = http.get(url, params=asked)
+            assert answer.status_code == 200, answer.text
+            shown[verdict["oracle"]] = answer
+            assert answer.headers["ETag"] != gravest.headers["ETag"]
+    assert shown["collision"].text == gravest.text
+    assert any(answer.text != gravest.text for answer in shown.values())
+    problem = http.get(url, params={"oracle": "red_light"})
+    is_problem(problem, 404)
+    assert "red_light" in problem.json()["detail"]
 
 
 def test_without_a_recording_there_is_no_picture(

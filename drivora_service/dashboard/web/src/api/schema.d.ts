@@ -1070,7 +1070,7 @@ export interface paths {
         };
         /**
          * Get Picture
-         * @description Returns a strip of moments of a run: those that lead to its gravest violation, as SVG.
+         * @description Returns a strip of moments of a run: those that lead to a violation, as SVG.
          */
         get: operations["get_picture_api_v1_runs__run_id__picture_get"];
         put?: never;
@@ -4160,7 +4160,7 @@ export interface components {
             oracle: string;
             /**
              * Picture Url
-             * @description Address of a picture of its moments; empty if none can be drawn, because nothing is recorded.
+             * @description Address of a picture of the moments that lead to it; empty if none can be drawn, because nothing is recorded.
              */
             picture_url: string;
             /**
@@ -10465,6 +10465,12 @@ export interface operations {
             query?: {
                 /** @description Moments side by side; fewer if the run is too short. */
                 moments?: number;
+                /** @description The moments lead to a violation of this oracle; without it, to the gravest of the run. */
+                oracle?: string;
+                /** @description With `oracle`: of the ego with this id. */
+                ego?: string;
+                /** @description With `oracle`: the violation that begins in this row of the trace, not the earliest. */
+                step?: number | null;
             };
             header?: never;
             path: {
@@ -13489,6 +13495,12 @@ export interface operations {
             query?: {
                 /** @description Moments side by side; fewer if the run is too short. */
                 moments?: number;
+                /** @description The moments lead to a violation of this oracle; without it, to the gravest of the run. */
+                oracle?: string;
+                /** @description With `oracle`: of the ego with this id. */
+                ego?: string;
+                /** @description With `oracle`: the violation that begins in this row of the trace, not the earliest. */
+                step?: number | null;
             };
             header?: never;
             path: {
@@ -15820,13 +15832,13 @@ export interface operations {
                      *     drivora_database_bytes 1000000.0
                      *     # HELP drivora_slot_busy Whether a worker slot runs something
                      *     # TYPE drivora_slot_busy gauge
-                     *     drivora_slot_busy{slot="slot-0"} 0.0
+                     *     drivora_slot_busy{slot="slot-0"} 1.0
                      *     # HELP drivora_slot_memory_bytes Memory of a slot's worker
                      *     # TYPE drivora_slot_memory_bytes gauge
                      *     drivora_slot_memory_bytes{slot="slot-0"} 200000000.0
                      *     # HELP drivora_slot_restarts_total Worker processes replaced
                      *     # TYPE drivora_slot_restarts_total counter
-                     *     drivora_slot_restarts_total{slot="slot-0"} 2.0
+                     *     drivora_slot_restarts_total{slot="slot-0"} 1.0
                      */
                     "text/plain": string;
                 };

@@ -1,4 +1,5 @@
 import { useState } from "react";
+import type { Schemas } from "../api/client";
 
 /**
  * The moments of a run that the service draws, without the title and the captions of the drawing:
@@ -20,7 +21,7 @@ export function Picture({
   return (
     <span className="picture">
       <img
-        src={`${src}?moments=${MOMENTS}`}
+        src={`${src}${src.includes("?") ? "&" : "?"}moments=${MOMENTS}`}
         alt={alt}
         loading="lazy"
         onError={() => setFailed(src)}
@@ -31,3 +32,14 @@ export function Picture({
 
 /** As many as are told apart in a card; the stylesheet has the size of a drawing of so many. */
 const MOMENTS = 4;
+
+/** Returns the query of a picture whose moments lead to a violation, not to the gravest of its run. */
+export function violationQuery({
+  oracle,
+  ego,
+  step,
+}: Pick<Schemas["Verdict"], "oracle" | "ego" | "step">): string {
+  const query = new URLSearchParams({ oracle, ego });
+  if (typeof step === "number") query.set("step", String(step));
+  return `?${query}`;
+}

@@ -2,7 +2,7 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import { api, body, type Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
-import { Picture } from "../../components/Picture";
+import { Picture, violationQuery } from "../../components/Picture";
 import { Loading, Refused } from "../../components/States";
 import { ACCOUNTABILITY, kindText } from "../failures/words";
 import { useEvaluation } from "./evaluation";
@@ -46,9 +46,9 @@ function Card({
   const worst = data?.failures[0];
   return (
     <li className="card">
-      {evaluation.violations > 0 && data?.observations_url && (
+      {worst && data?.observations_url && (
         <Picture
-          src={`/api/v1/campaigns/${campaign}/evaluations/${evaluation.number}/picture`}
+          src={`/api/v1/campaigns/${campaign}/evaluations/${evaluation.number}/picture${violationQuery(worst)}`}
           alt={`Moments of evaluation ${evaluation.number}`}
         />
       )}
