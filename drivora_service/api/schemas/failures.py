@@ -42,5 +42,5 @@ def found_failure_of(failure: failure_records.FoundFailure, base: str) -> FoundF
 
 def _query(verdict: Verdict) -> str:
     """Returns the query of a picture that shows a violation, and not the gravest of its run."""
-    told = {"oracle": verdict.oracle, "ego": verdict.ego, "step": verdict.step}
-    return urlencode({name: value for name, value in told.items() if value is not None})
+    parts = {"oracle": verdict.oracle, "ego": verdict.ego, "step": verdict.step}
+    return urlencode({name: value for name, value in parts.items() if value is not None})
