@@ -208,9 +208,7 @@ def search_of(tester: Tester, **changes: object) -> Search:
         "run_prefix": "test",
         "parts": (part_of(tester, Values(invalid_below=0.1)),),
         "feedback": FeedbackChoice(name="general"),
-        "definition": FailureDefinition(
-            counts=Counted.POSSIBLY_AT_FAULT, oracles=("collision",)
-        ),
+        "definition": FailureDefinition(counts=Counted.POSSIBLY_AT_FAULT, oracles=("collision",)),
         "budget": 60,
         "lookahead": 8,
     }

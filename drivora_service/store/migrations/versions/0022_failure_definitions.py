@@ -163,7 +163,11 @@ def _count_failures(connection: sa.Connection) -> None:
         .where(_FOUND.c.run_seq == _RUNS.c.seq, _FOUND.c.is_counted)
         .scalar_subquery()
     )
-    finished = _RUNS.update().where(_RUNS.c.status == "finished")
+    # Versions that did not list the violations of runs leave theirs unknown.
+    is_listed = sa.exists().where(_FOUND.c.run_seq == _RUNS.c.seq)
+    finished = _RUNS.update().where(
+        _RUNS.c.status == "finished", sa.or_(is_listed, _RUNS.c.violations == 0)
+    )
     connection.execute(finished.values(failures=number))
     connection.execute(_RUNS.update().where(_RUNS.c.status == "agent_failed").values(failures=1))
 
