@@ -352,7 +352,7 @@ def _posted(definition: FailureDefinition) -> dict[str, Any]:
 
 def _counted(definition: FailureDefinition | None) -> Query:
     if definition is None:
-        return {}
+        return {"counts": None, "count_oracle": ()}
     return {"counts": definition.counts, "count_oracle": definition.oracles or ()}
 
 
