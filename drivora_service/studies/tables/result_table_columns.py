@@ -95,9 +95,19 @@ _RUNS = (
     _or_null("started_at", _TIME, "when it was started; null of an `evaluation`"),
     _or_null("ended_at", _TIME, "when it ended"),
     _column("attempts", _COUNT, "attempts of workers at it"),
-    _or_null("violations", _COUNT, "violated verdicts without observations; null unless finished"),
+    _or_null(
+        "violations",
+        _COUNT,
+        "violated verdicts, without observations and what only follows from another violation; "
+        "null unless finished",
+    ),
     _or_null("at_fault_violations", _COUNT, "those for which an ego is responsible"),
     _or_null("observations", _COUNT, "violated verdicts that are observations"),
+    _or_null(
+        "failures",
+        _COUNT,
+        "failures by what was defined for the run; null if it says nothing about its ADS",
+    ),
     _or_null("accountability", _TEXT, "the strongest of its violations; null without one"),
     _or_null("steps", _COUNT, "rows of the trace; null unless finished"),
     _or_null("sim_time_s", _REAL, "simulated time; null unless finished", unit="s"),
