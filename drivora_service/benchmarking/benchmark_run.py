@@ -86,10 +86,6 @@ class BenchmarkRun:
         """Returns whether the ego violated an oracle; with ``at_fault``, whether at its fault."""
         return any(v.oracle == oracle and (not at_fault or v.at_fault) for v in self.violations)
 
-    @property
-    def collided_avoidably(self) -> bool:
-        """Whether a collision was the ego's fault, and avoidable."""
-        return any(
-            v.oracle == COLLISION and accountability(v) is Accountability.AVOIDABLE
-            for v in self.violations
-        )
+    def has_collided(self, degree: Accountability) -> bool:
+        """Returns whether there was a collision with this accountability of the ego."""
+        return any(v.oracle == COLLISION and accountability(v) is degree for v in self.violations)

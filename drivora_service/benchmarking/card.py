@@ -12,6 +12,7 @@ import numpy as np
 from drivora_service.agents.entry import AgentEntry
 from drivora_service.benchmarking.benchmark_run import COLLISION, RED_LIGHT, BenchmarkRun
 from drivora_service.metrics.aggregates import benchmark_scores
+from drivora_service.oracles.verdicts.accountability import Accountability
 from drivora_service.runs.run_report import RunStatus
 
 _AGENTS_OWN = frozenset({RunStatus.AGENT_FAILED, RunStatus.TIMED_OUT})
@@ -31,6 +32,8 @@ class Figures:
         at_fault_collisions: Runs with a collision at the ego's fault.
         avoidable_collisions: Runs with a collision at the ego's fault that a careful and competent
             driver avoids.
+        preventable_collisions: Runs with a collision at the fault of others that such a driver of
+            the ego avoids.
         red_lights: Runs in which the ego ran a red light.
         driving_score: Mean of Leaderboard 2.1, per cent. In this and the following means, a run in
             which the agent failed counts 0, one that failed because of the machine is omitted.
@@ -56,6 +59,7 @@ class Figures:
     collisions: int
     at_fault_collisions: int
     avoidable_collisions: int
+    preventable_collisions: int
     red_lights: int
     driving_score: float | None
     driving_score_deviation: float | None
@@ -189,7 +193,8 @@ def figures_of(runs: Sequence[BenchmarkRun]) -> Figures:
         clean_arrivals=sum(not run.has_violated(COLLISION, at_fault=True) for run in arrivals),
         collisions=sum(run.has_violated(COLLISION) for run in judged),
         at_fault_collisions=len(at_fault),
-        avoidable_collisions=sum(run.collided_avoidably for run in judged),
+        avoidable_collisions=sum(run.has_collided(Accountability.AVOIDABLE) for run in judged),
+        preventable_collisions=sum(run.has_collided(Accountability.PREVENTABLE) for run in judged),
         red_lights=sum(run.has_violated(RED_LIGHT) for run in judged),
         driving_score=scores.driving_score.mean,
         driving_score_deviation=scores.driving_score.deviation,

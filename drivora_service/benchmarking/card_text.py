@@ -16,6 +16,7 @@ COLUMNS = (
     "crashed",
     "at fault",
     "avoidable",
+    "preventable",
     "red lights",
     "driving score",
     "comfort",
@@ -39,6 +40,7 @@ def cells(figures: Figures) -> tuple[str, ...]:
                 figures.collisions,
                 figures.at_fault_collisions,
                 figures.avoidable_collisions,
+                figures.preventable_collisions,
                 figures.red_lights,
             )
         ),
@@ -75,13 +77,13 @@ def describe_conditions(runs: int) -> tuple[str, ...]:
 
 HOW_TO_READ = (
     "Counts are of runs. *arrived*: in time; *crashed*: touched another actor, *at fault*: by its "
-    "own fault, *avoidable*: where a careful and competent driver avoids it; *red lights*: ran at "
-    "least one. *driving score*: mean of Leaderboard 2.1 (per cent), 0 where the agent failed. "
-    "*comfort*: mean share of the time within nuPlan's bounds. *step*, *95 %*: median and 95th "
-    "percentile over the runs of the mean wall time of a step, simulation and agent together; "
-    "*agent*: the median of the agent's share of it, a dash where SUMO drives. "
-    "*failed*: runs without a judgement. *view*: whether the agent sees everything, or what the "
-    "perception model lets through."
+    "own fault, *avoidable*: where a careful and competent driver avoids it; *preventable*: by the "
+    "fault of others, where such a driver avoids it; *red lights*: ran at least one. *driving "
+    "score*: mean of Leaderboard 2.1 (per cent), 0 where the agent failed. *comfort*: mean share "
+    "of the time within nuPlan's bounds. *step*, *95 %*: median and 95th percentile over the runs "
+    "of the mean wall time of a step, simulation and agent together; *agent*: the median of the "
+    "agent's share of it, a dash where SUMO drives. *failed*: runs without a judgement. *view*: "
+    "whether the agent sees everything, or what the perception model lets through."
 )
 
 

@@ -112,12 +112,15 @@ class Found:
         known: Known failures of the ADSs of the runs.
         judged: Judged runs of each scenario, runs of an ADS that failed among them.
         unfinished: Runs that were not judged for another reason.
+        preventable: Judged runs with a violation that is not the fault of the ego, but avoidable,
+            whether it counts or not.
     """
 
     failures: Mapping[FailureKey, Failure]
     known: tuple[KnownOccurrence, ...]
     judged: Mapping[str, int]
     unfinished: tuple[SuiteRun, ...]
+    preventable: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,12 +152,14 @@ def find_failures(
     known: list[KnownOccurrence] = []
     judged: dict[str, int] = {}
     unfinished: list[SuiteRun] = []
+    preventable = 0
     for name, runs in results.of_scenario().items():
         scenario = scenarios[name]
         judgeable = [run for run in runs if is_judged(run)]
         unfinished += [run for run in runs if not is_judged(run)]
         judged[name] = len(judgeable)
         definition = scenario.definition(gate)
+        preventable += sum(definition.is_preventable(run.violations) for run in judgeable)
         events = [(run, _first_of_each(_events(run, scenario, definition))) for run in judgeable]
         known += _find_known_occurrences(scenario, events)
         for run, found in events:
@@ -163,7 +168,13 @@ def find_failures(
                 if not definition.knows(key.oracle, key.ego, key.counterpart, run.agents):
                     before = failures.get(key)
                     failures[key] = _add_event(before, event, run, of=len(judgeable))
-    return Found(failures=failures, known=tuple(known), judged=judged, unfinished=tuple(unfinished))
+    return Found(
+        failures=failures,
+        known=tuple(known),
+        judged=judged,
+        unfinished=tuple(unfinished),
+        preventable=preventable,
+    )
 
 
 def is_judged(run: SuiteRun) -> bool:

@@ -88,7 +88,7 @@ def failed(number: int, status: RunStatus, cause: str, message: str = "") -> Ben
 def _record(status: RunStatus, **results: Any) -> RunRecord:
     """Returns the record of a run with the given results."""
     unknown: dict[str, Any] = dict.fromkeys(
-        ("started_at", "ended_at", "violations", "at_fault_violations", "observations")
+        ("started_at", "ended_at", "violations", "at_fault_violations", "observations", "failures")
     )
     unknown |= dict.fromkeys(("accountability", "steps", "sim_time_s", "wall_time_s", "seed"))
     empty = dict.fromkeys(("id", "cause", "label", "batch_id", "scenario_sha256"), "")

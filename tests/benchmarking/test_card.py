@@ -45,6 +45,12 @@ def test_unavoidable_collisions_are_counted_apart() -> None:
     ]
     figures = figures_of(runs)
     assert (figures.at_fault_collisions, figures.avoidable_collisions) == (3, 1)
+    assert figures.preventable_collisions == 0
+    of_others = [
+        finished(n, violation("collision", at_fault=False, avoidable=answer))
+        for n, answer in enumerate(answers)
+    ]
+    assert figures_of(of_others).preventable_collisions == 1
 
 
 def test_a_failing_agent_scores_nothing_and_a_failing_machine_does_not_count() -> None:

@@ -21,7 +21,7 @@ def test_cards_are_written_as_a_table_pages_and_data(tmp_path: Path) -> None:
     assert {path.name for path in written} == {"cards.md", "cards.json", "made-up.md"}
     table = (tmp_path / "cards.md").read_text()
     assert (
-        "| [`made-up`](made-up.md) | privileged | 2 | 2 | 1 | 1 | 1 | 0 | 70.0 | 1.00 | 0.10 "
+        "| [`made-up`](made-up.md) | privileged | 2 | 2 | 1 | 1 | 1 | 0 | 0 | 70.0 | 1.00 | 0.10 "
         "| 0.10 | 0.04 | 0 |" in table
     )
     assert "- `far-away`: run `drivora agents install x`" in table
@@ -54,7 +54,7 @@ def test_an_agent_that_always_fails_says_with_what_cause() -> None:
     card = card_of(AGENT, [failed(n, RunStatus.AGENT_FAILED, "agent_hung") for n in (1, 2)])
     page = card_markdown(card, runs=2)
     assert "| agent failed | agent_hung | 2 | tee-town-01: it was agent_hung |" in page
-    assert "| all | 2 | 0 | - | - | - | - | 0.0 | - | - | - | - | 2 |" in page
+    assert "| all | 2 | 0 | - | - | - | - | - | 0.0 | - | - | - | - | 2 |" in page
     assert "## A run" not in page
 
 

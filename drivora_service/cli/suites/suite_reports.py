@@ -202,6 +202,7 @@ def report_content(report: SuiteReport) -> dict[str, Any]:
         "configuration_id": "" if configuration is None else configuration.id,
         "passed": not decision.fails,
         "sentence": decision.sentence,
+        "preventable_runs": decision.preventable_runs,
         "reasons": list(decision.reasons),
         "counts": {str(which): count for which, count in decision.counts.items()},
         "not_in_baseline": list(decision.not_in_baseline),

@@ -143,6 +143,18 @@ class FailureDefinition(Shape):
         """Returns the failures among verdicts, in their order."""
         return tuple(verdict for verdict in verdicts if self.is_failure(verdict, agents))
 
+    def is_preventable(self, verdicts: Iterable[Verdict]) -> bool:
+        """Returns whether a violation is not the fault of the ego, but avoidable, counted or not.
+
+        Args:
+            verdicts: Verdicts of a run.
+        """
+        return any(
+            accountability(verdict) is Accountability.PREVENTABLE
+            for verdict in verdicts
+            if self.looks_at(verdict)
+        )
+
     def strongest(self, verdicts: Iterable[Verdict]) -> Accountability | None:
         """Returns the strongest degree of the violations that it looks at, counted or not."""
         return strongest(verdict for verdict in verdicts if self.looks_at(verdict))

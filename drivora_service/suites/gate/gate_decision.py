@@ -167,6 +167,8 @@ class Decision:
         scenarios: Scenarios that were run.
         failing_scenarios: Scenarios with a failure in any run.
         judged_runs: Runs that were judged.
+        preventable_runs: Those with a violation that is not the fault of the ego, but avoidable,
+            whether it counts or not.
     """
 
     reasons: tuple[str, ...]
@@ -182,6 +184,7 @@ class Decision:
     scenarios: int
     failing_scenarios: int
     judged_runs: int
+    preventable_runs: int
 
     @property
     def fails(self) -> bool:
@@ -203,9 +206,14 @@ class Decision:
             found = f"{classes} against the baseline" if classes else "no failure, as before"
         else:
             found = plural(len(self.failures), "failure") if self.failures else "no failure"
+        preventable = (
+            f"; {plural(self.preventable_runs, 'run')} not at fault, but avoidable"
+            if self.preventable_runs
+            else ""
+        )
         return (
             f"Gate {word}: {found}; {self.failing_scenarios} of {self.scenarios} scenarios fail "
-            f"in {self.judged_runs} judged runs"
+            f"in {self.judged_runs} judged runs{preventable}"
         )
 
 

@@ -75,6 +75,7 @@ def decide(
         scenarios=len(results.scenarios),
         failing_scenarios=len({key.scenario for key in found.failures}),
         judged_runs=sum(found.judged.values()),
+        preventable_runs=found.preventable,
     )
     return replace(decision, reasons=tuple(_reasons(decision)))
 

@@ -52,6 +52,8 @@ class ComparedBatch(Shape):
         runs: Stored runs.
         finished: Those that were judged.
         failing: Compared runs with a failure.
+        preventable: Compared runs with a violation that is not the fault of the ego, but avoidable,
+            whether it counts or not.
     """
 
     batch: str
@@ -62,6 +64,7 @@ class ComparedBatch(Shape):
     runs: int
     finished: int
     failing: int
+    preventable: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

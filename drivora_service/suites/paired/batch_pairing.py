@@ -112,8 +112,20 @@ def compare_runs(
             b=titles[1],
             has_repetitions=any(len(pairs) > 1 for pairs in scenarios.values()),
         ),
-        a=_side(first, titles[0], agents[0], failing=failures.runs_a),
-        b=_side(second, titles[1], agents[1], failing=failures.runs_b),
+        a=_side(
+            first,
+            titles[0],
+            agents[0],
+            failing=failures.runs_a,
+            preventable=sum(one.a.is_preventable for one in judged),
+        ),
+        b=_side(
+            second,
+            titles[1],
+            agents[1],
+            failing=failures.runs_b,
+            preventable=sum(one.b.is_preventable for one in judged),
+        ),
         definition=definition,
         unfinished=rules.unfinished,
         scenarios=len(scenarios),
@@ -208,7 +220,9 @@ def _state(run: PairedRun) -> str:
     return f"{status} ({run.cause.replace('_', ' ')})" if run.cause else status
 
 
-def _side(side: BatchRuns, words: str, agents: tuple[str, ...], *, failing: int) -> ComparedBatch:
+def _side(
+    side: BatchRuns, words: str, agents: tuple[str, ...], *, failing: int, preventable: int
+) -> ComparedBatch:
     return ComparedBatch(
         batch=side.batch.id,
         name=side.batch.name,
@@ -218,6 +232,7 @@ def _side(side: BatchRuns, words: str, agents: tuple[str, ...], *, failing: int)
         runs=len(side.runs),
         finished=sum(run.status is RunStatus.FINISHED for run in side.runs),
         failing=failing,
+        preventable=preventable,
     )
 
 

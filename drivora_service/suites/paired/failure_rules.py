@@ -67,11 +67,14 @@ class Judged:
         failures: By oracle.
         not_measurable: Oracles that could not be judged; they are not failures.
         oracles: Oracles with a verdict.
+        is_preventable: Whether a violation is not the fault of the ego, but avoidable, counted or
+            not.
     """
 
     failures: Mapping[str, FailureFound]
     not_measurable: frozenset[str]
     oracles: frozenset[str]
+    is_preventable: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,6 +121,7 @@ class Rules:
             failures={oracle: _make_failure_found(found, run) for oracle, found in failing.items()},
             not_measurable=frozenset(unknown - failing.keys()),
             oracles=run.oracles if named is None else run.oracles & named,
+            is_preventable=definition.is_preventable(run.verdicts),
         )
 
 

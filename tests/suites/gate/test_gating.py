@@ -10,6 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drivora_service.oracles.verdict import Answer
+from drivora_service.oracles.verdicts.failure_definition import Counted
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.suites.gate.baseline import Baseline, make_baseline
 from drivora_service.suites.gate.failure_classes import FailureClass
@@ -34,6 +36,18 @@ def judged(now: Mapping[str, tuple[int, int]], before: Mapping[str, tuple[int, i
     results = results_of([run for name, (k, n) in now.items() for run in counted(name, k, n)])
     old = results_of([run for name, (k, n) in before.items() for run in counted(name, k, n)])
     return decide(results, scenarios_of(results), GATE, accepted(old))
+
+
+def test_what_others_began_and_a_careful_driver_avoids_is_a_count_of_its_own() -> None:
+    prevented = verdict(at_fault=False, avoidable=Answer.YES)
+    results = results_of([suite_run("a", 0, prevented, prevented), suite_run("b", 0, verdict())])
+    scenarios = scenarios_of(results)
+    passing = decide(results, scenarios, GATE, None)
+    assert (passing.preventable_runs, passing.failing_scenarios) == (1, 1)
+    assert passing.sentence.endswith("; 1 run not at fault, but avoidable")
+    # It can be what the gate fails for.
+    strict = decide(results, scenarios, GateDocument(counts=Counted.PREVENTABLE), None)
+    assert (strict.preventable_runs, strict.failing_scenarios) == (1, 2)
 
 
 @pytest.mark.parametrize(

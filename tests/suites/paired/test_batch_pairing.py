@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 
 from drivora_service.errors import UnknownName
-from drivora_service.oracles.verdict import Outcome
+from drivora_service.oracles.verdict import Answer, Outcome
+from drivora_service.oracles.verdicts.failure_definition import (
+    Counted,
+    DefinitionOrigin,
+    FailureDefinition,
+    KnownFailure,
+)
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.suites.paired.batch_comparison import (
     BatchComparison,
@@ -121,6 +127,45 @@ def test_repeated_seeds_count_as_one_scenario() -> None:
     assert "(p 1.00, exact sign test over scenarios)" in found.sentence
     assert "p: exact sign test over scenarios, two-sided" in how_to_read_failures(found)
     assert any("9 pairs of 3 scenarios" in note for note in found.notes)
+
+
+def test_runs_are_counted_by_what_was_defined_for_them() -> None:
+    """A suite that counts every violation, as its gate does, and scenarios that say otherwise."""
+    every = FailureDefinition(counts=Counted.ANY)
+    of_others = (verdict("collision", at_fault=False, avoidable=Answer.YES),)
+    first = [run("a", definition=every), run("b")]
+    second = [
+        run("a", verdicts=of_others, definition=every),
+        run("b", verdicts=of_others),
+    ]
+    found = compare_runs(batch(first), batch(second))
+    assert (found.failures.runs_a, found.failures.runs_b) == (0, 1)
+    assert (found.a.preventable, found.b.preventable) == (0, 2)
+    assert (found.definition.origin, found.definition.counts) == (DefinitionOrigin.POSTED, None)
+    assert found.definition.definitions == 2
+    asked = Rules(definition=FailureDefinition(counts=Counted.PREVENTABLE))
+    assert compare_runs(batch(first), batch(second), rules=asked).failures.runs_b == 2
+
+
+def test_batches_with_different_definitions_are_counted_by_the_default() -> None:
+    of_others = (verdict("collision", at_fault=False),)
+    first = [run("a", verdicts=of_others, definition=FailureDefinition(counts=Counted.ANY))]
+    second = [run("a", verdicts=of_others)]
+    found = compare_runs(batch(first), batch(second))
+    assert (found.failures.runs_a, found.failures.runs_b) == (0, 0)
+    assert found.definition.origin is DefinitionOrigin.DEFAULT
+    (note,) = (one for one in found.notes if "different definitions" in one)
+    assert "A counts violations of any fault" in note
+
+
+def test_what_is_known_of_an_ads_is_no_failure_of_its_runs() -> None:
+    known = KnownFailure(oracle="collision", agents=("idm",), reason="issue 3")
+    definition = FailureDefinition(known=(known,))
+    runs = [
+        run("a", fails=["collision"], agent=name, definition=definition) for name in ("idm", "nmpc")
+    ]
+    found = compare_runs(batch(runs[:1]), batch(runs[1:]))
+    assert (found.failures.runs_a, found.failures.runs_b) == (0, 1)
 
 
 def test_a_scenario_under_two_labels_counts_once() -> None:

@@ -31,6 +31,7 @@ const FACTS: readonly Fact[] = [
     ),
   },
   { title: "Compared runs that fail", of: ({ failing }) => count(failing) },
+  { title: "Not at fault, but avoidable", of: ({ preventable }) => count(preventable) },
 ];
 
 /** What A and B are, and in what they differ. */
