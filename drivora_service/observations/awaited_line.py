@@ -30,8 +30,10 @@ def awaited_ways(ego: EgoView, reach: float = AT_LINE) -> tuple[WayThrough, ...]
         return ()
     line = int(found[0])
     x, y, yaw = ego.states[-1, [Col.X, Col.Y, Col.YAW]]
-    heading = np.array([math.cos(yaw), math.sin(yaw)])
-    front = np.array([x, y]) + 0.5 * ego.actor.length * heading
-    ahead = float((lines.points[line] - front) @ lines.headings[line])
-    is_near = 0.0 <= ahead <= reach and float(heading @ lines.headings[line]) > 0.0
+    heading_x, heading_y = math.cos(yaw), math.sin(yaw)
+    front_x = x + 0.5 * ego.actor.length * heading_x
+    front_y = y + 0.5 * ego.actor.length * heading_y
+    (line_x, line_y), (way_x, way_y) = lines.points[line], lines.headings[line]
+    ahead = float((line_x - front_x) * way_x + (line_y - front_y) * way_y)
+    is_near = 0.0 <= ahead <= reach and heading_x * way_x + heading_y * way_y > 0.0
     return lines.ways[line] if is_near else ()

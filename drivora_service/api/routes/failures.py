@@ -16,7 +16,7 @@ from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.failures import FoundFailure, found_failure_of
 from drivora_service.api_paths import PREFIX
-from drivora_service.store.failures.failure_counts import FoundCounts
+from drivora_service.store.failures.found_counting import FoundCounts
 from drivora_service.store.runs.run_records import Page
 
 router = resource_router("failures", Depends(reader))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from drivora_service.api.schemas.failure_groups import FailureGroup
     from drivora_service.api.schemas.failures import FoundFailure
-    from drivora_service.store.failures.failure_counts import FoundCounts
+    from drivora_service.store.failures.found_counting import FoundCounts
 
 
 def print_failures(failures: Sequence[FoundFailure]) -> None:

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
     from drivora_service.api.schemas.failure_groups import FailureGroup, GroupChangeList
     from drivora_service.api.schemas.failures import FoundFailure
-    from drivora_service.store.failures.failure_counts import FoundCounts
     from drivora_service.store.failures.failure_records import FoundFilter
+    from drivora_service.store.failures.found_counting import FoundCounts
     from drivora_service.store.failures.group_records import GroupStatus, SinceBaseline
 
 _GROUPS = f"{PREFIX}/failures/groups"
@@ -31,7 +31,7 @@ def found_failures(
 
 def found_counts(wanted: FoundFilter | None = None) -> Call[FoundCounts]:
     """Returns the numbers of the failures that pass a filter, and what they count."""
-    from drivora_service.store.failures.failure_counts import FoundCounts
+    from drivora_service.store.failures.found_counting import FoundCounts
 
     return get(f"{PREFIX}/failures:counts", FoundCounts, query=_query(wanted))
 

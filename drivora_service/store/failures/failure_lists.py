@@ -11,10 +11,10 @@ from sqlalchemy.orm import Session
 
 from drivora_service.errors import UnknownName
 from drivora_service.store.engine.paging import make_token, read_token
-from drivora_service.store.failures.failure_counts import FoundCounts, count_found
 from drivora_service.store.failures.failure_queries import conditions_of, failures_of
 from drivora_service.store.failures.failure_records import FoundFailure, FoundFilter
 from drivora_service.store.failures.failure_tables import FoundRow
+from drivora_service.store.failures.found_counting import FoundCounts, count_found
 from drivora_service.store.runs.run_records import Page
 
 
