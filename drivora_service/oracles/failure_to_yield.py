@@ -124,4 +124,5 @@ class FailureToYield:
             place=conflict.place,
             encroachment=conflict.lag if conflict.lag < 1e3 else None,
             braking=conflict.braking,
+            braked_at=float(ego.trace.times[conflict.braked]) if conflict.braked >= 0 else None,
         )

@@ -96,6 +96,8 @@ def test_making_another_brake_hard_is_a_failure(
     if outcome is Outcome.VIOLATED:
         assert verdict.evidence["braking"] == pytest.approx(braking, abs=0.1)
         assert verdict.evidence["encroachment"] > 1.0
+        assert verdict.time is not None
+        assert verdict.evidence["braked_at"] > verdict.time
 
 
 def test_braking_for_a_third_vehicle_is_none_of_the_egos() -> None:

@@ -15,6 +15,7 @@ class Conflict:
         lag: Seconds from the ego's leaving a place to the other's reaching it; inf if never.
         braking: m/s² of the other's braking because of the ego.
         place: "junction" or "crossing".
+        braked: Row of the trace in which it brakes hardest because of the ego; -1 if it does not.
     """
 
     row: int
@@ -22,3 +23,4 @@ class Conflict:
     lag: float
     braking: float
     place: str
+    braked: int = -1

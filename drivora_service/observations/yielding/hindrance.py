@@ -12,8 +12,10 @@ import math
 
 import numpy as np
 
+from drivora_service.compilation import compiled
 from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
+from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import LEVEL_GAP, Col
@@ -35,6 +37,15 @@ _FORESIGHT = 4.0
 """Seconds after the begin of a braking within which the two must come into each other's way: a
 driver farther away has no need to brake yet (UN Regulation No. 152 tests emergency braking from 4 s
 before a meeting on)."""
+
+_STOOD = (10.0, 1.0)
+"""Seconds in which an ego that drove less than these metres blocked the way rather than went first:
+vehicles that come later wait as behind any standing vehicle, and ``junction_blocking`` judges the
+ego, from the same time and with the same distance."""
+
+_SOON = 1.0
+"""Seconds ahead of a vehicle in which bends, signals and signs are reasons for its speed: few drivers
+brake at the last moment that their comfort allows."""
 
 _EARLIER = 1.0
 """Seconds before the ego is in the way in which another driver may brake for it."""
@@ -67,8 +78,10 @@ than its way asks: drivers differ by a tenth or so (SUMO's ``speedFactor``)."""
 
 def hindered_braking(
     ego: EgoView, other: int, first: int, last: int, lanes: frozenset[int]
-) -> float:
-    """Returns the hardest braking of a vehicle that the ego caused, m/s²; 0 if it caused none.
+) -> tuple[float, int]:
+    """Returns the hardest braking of a vehicle that the ego caused, m/s², and its row of the trace.
+
+    0 and -1 if the ego caused none.
 
     Args:
         ego: The ego.
@@ -82,15 +95,15 @@ def hindered_braking(
     rows = slice(ego.first + first, ego.first + last + 1)
     braking = _braking(trace.states[rows, other], trace.present[rows, other], ego.step_length)
     # Each braking has its own reason: the hardest may be that for a bend behind the junction.
-    caused = 0.0
+    caused, row = 0.0, -1
     for begun, ended in stretches(braking >= _EASED):
         worst = begun + int(np.argmax(braking[begun:ended]))
         hardest = float(braking[worst])
         if hardest > caused and _is_caused(
             ego, other, ego.first + first + worst, hardest, (first, last), lanes
         ):
-            caused = hardest
-    return caused
+            caused, row = hardest, ego.first + first + worst
+    return caused, row
 
 
 def _is_caused(
@@ -165,46 +178,73 @@ def _would_meet(
     speed: float,
     passage: tuple[int, int],
 ) -> bool:
-    """Returns whether a vehicle that keeps its speed is near the ego's place at about its time.
+    """Returns whether a vehicle that keeps its speed is at the ego's place at about its time.
 
-    The two are compared as rows of circles along their middles: this is about tenths of seconds,
-    not about touching.
+    By their boxes: a driver also brakes for an ego of which only a corner stands in the way.
     """
     trace = ego.trace
     begin, last = passage
     margin = round(_WITHIN / ego.step_length)
-    own = ego.states[begin : last + 1]
     times = np.arange(ego.first + begin - margin, ego.first + last + margin + 1)
     arcs = speed * ego.step_length * (times - onset)
     soon = times - onset <= round(_FORESIGHT / ego.step_length)
     known = (arcs >= 0.0) & (arcs <= course.arc[-1]) & soon
-    if not known.any():
-        return False
-    x, y = np.interp(arcs, course.arc, course.x), np.interp(arcs, course.arc, course.y)
-    yaw = np.interp(arcs, course.arc, course.yaw)
-    ours = _discs(own[:, Col.X], own[:, Col.Y], own[:, Col.YAW], ego.actor.length, ego.actor.width)
+    driven = np.cumsum(ego.moved)
+    seconds, metres = _STOOD
+    ago = np.maximum(np.arange(begin, last + 1) - round(seconds / ego.step_length), 0)
+    went = (driven[begin : last + 1] - driven[ago] >= metres) | (ago == 0)
+    places = np.column_stack(
+        [np.interp(arcs, course.arc, values) for values in (course.x, course.y, course.yaw)]
+    )
     actor = trace.actors[other]
-    theirs = _discs(x, y, yaw, actor.length, actor.width)
-    reach = 0.5 * (ego.actor.width + actor.width)
-    for k, row in enumerate(range(begin, last + 1)):
-        near = np.abs(times - (ego.first + row)) <= margin
-        chosen = theirs[near & known]
-        if not len(chosen):
+    return _boxes_meet(
+        ego.states[begin : last + 1],
+        went,
+        places,
+        known,
+        margin,
+        (ego.actor.length, ego.actor.width),
+        (actor.length, actor.width),
+    )
+
+
+@compiled
+def _boxes_meet(
+    ego: FloatArray,
+    went: BoolArray,
+    places: FloatArray,
+    known: BoolArray,
+    margin: int,
+    own_box: tuple[float, float],
+    box: tuple[float, float],
+) -> bool:
+    """Returns whether a box is at a place of the ego, up to some rows earlier or later.
+
+    Args:
+        ego: (n, 9) states of the ego, columns ``Col``.
+        went: (n,) flags of the ego's rows that count.
+        places: (n + 2 margin, 3) x, y and heading of the other, from ``margin`` rows earlier on.
+        known: (n + 2 margin,) flags of the places that count.
+        margin: Rows.
+        own_box: Length and width of the ego, metres.
+        box: Length and width of the other.
+    """
+    reach = 0.5 * (math.hypot(own_box[0], own_box[1]) + math.hypot(box[0], box[1]))
+    for k in range(len(ego)):
+        if not went[k]:
             continue
-        away = np.hypot(*(chosen[:, :, None, :] - ours[k][None, None, :, :]).T)
-        if float(away.min()) < reach:
-            return True
+        for j in range(k, k + 2 * margin + 1):
+            if not known[j]:
+                continue
+            dx, dy = places[j, 0] - ego[k, Col.X], places[j, 1] - ego[k, Col.Y]
+            if math.hypot(dx, dy) > reach:
+                continue
+            depth = overlap_depth(
+                dx, dy, ego[k, Col.YAW], own_box[0], own_box[1], places[j, 2], box[0], box[1]
+            )
+            if depth > 0.0:
+                return True
     return False
-
-
-def _discs(
-    x: FloatArray, y: FloatArray, yaw: FloatArray, length: float, width: float
-) -> FloatArray:
-    """Returns (n, m, 2) centres of circles of a box's width along its middle."""
-    half = max(0.5 * (length - width), 0.0)
-    offsets = np.linspace(-half, half, max(2, math.ceil(length / width)))
-    cos, sin = elementary.cos(yaw)[:, None], elementary.sin(yaw)[:, None]
-    return np.stack((x[:, None] + offsets * cos, y[:, None] + offsets * sin), axis=-1)
 
 
 def _follows(ego: EgoView, other: int, course: Course, row: int) -> bool:
@@ -253,7 +293,9 @@ def _is_too_slow(ego: EgoView, other: int, course: Course, allowed: FloatArray, 
         state = trace.states[row, other]
         if not trace.present[row, other]:
             break
-        may = float(np.interp(course.arc_at(state), course.arc, allowed))
-        if math.hypot(state[Col.VX], state[Col.VY]) < share * may - less:
+        arc, speed = course.arc_at(state), math.hypot(state[Col.VX], state[Col.VY])
+        ahead = np.linspace(arc, arc + _SOON * speed, _SAMPLES)
+        may = float(np.interp(ahead, course.arc, allowed).min())
+        if speed < share * may - less:
             return True
     return False

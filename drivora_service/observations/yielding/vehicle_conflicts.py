@@ -65,10 +65,15 @@ def vehicle_conflicts(ego: EgoView, *, attention: float) -> Iterator[Conflict]:
             if not _drives_on(ego, actor.row, crossing.front, last, foes):
                 continue
             lag = least_lag(ego, actor.row, crossing.front, leaves, last)
-            braking = hindered_braking(ego, actor.row, crossing.front, last, foes.lanes)
+            braking, braked = hindered_braking(ego, actor.row, crossing.front, last, foes.lanes)
             if math.isfinite(lag) or braking > 0.0:
                 yield Conflict(
-                    row=crossing.front, other=actor.row, lag=lag, braking=braking, place="junction"
+                    row=crossing.front,
+                    other=actor.row,
+                    lag=lag,
+                    braking=braking,
+                    place="junction",
+                    braked=braked,
                 )
 
 

@@ -11,6 +11,7 @@ from tests.oracles.yielding import (
     minor_roads,
     roundabouts,
     signals,
+    standing_egos,
     turns,
     walkers,
 )
@@ -22,6 +23,6 @@ def all_situations() -> tuple[Situation, ...]:
     """In the order of their families."""
     families = (
         *(minor_roads, turns, roundabouts, signals, equal_rank),
-        *(walkers, distant_traffic, background),
+        *(walkers, distant_traffic, background, standing_egos),
     )
     return tuple(each for family in families for each in family.situations())

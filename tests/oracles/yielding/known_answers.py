@@ -1,6 +1,7 @@
 """The answers of a second reader to the situations: the actors that the ego hinders in each.
 
-Written from traces and pictures, without knowing the oracle that judges them. Sources: the Vienna
+Written from traces and pictures, without knowing the oracle that judges them; the three of
+``standing_egos`` are of kinds that a reader saw it judge wrongly. Sources: the Vienna
 Convention on Road Traffic of 1968 (articles 18, 21 and 23); RSS, rule 3 (Shalev-Shwartz, Shammah,
 Shashua 2017); a post-encroachment time under 1 s as a serious conflict (Allen, Shin and Cooper
 1978); nuPlan's bound of comfort of 4.05 m/s² for hard braking.
@@ -788,6 +789,25 @@ ANSWERS: dict[str, Answer] = {
         "Vienna Convention art. 21",
         "SUMO gives the ego priority over this crossing, and the walker crossed before the ego "
         "(0.90 s earlier) without being hindered.",
+    ),
+    "left-turn-waits-with-a-corner-in-the-oncoming-lane": Answer(
+        ("other",),
+        "Vienna Convention art. 16 and 18; nuPlan comfort bound 4.05 m/s²",
+        "The ego stands from 6.6 s on with its front 0.2 m in the way of the oncoming car, which "
+        "brakes 4.6 m/s² to a stop, waits, and lets the ego go first.",
+    ),
+    "left-turn-stands-in-the-exit-for-a-quarter-of-a-minute": Answer(
+        (),
+        "Vienna Convention art. 18.5 and 18.6",
+        "The ego has stood with its tail at the junction for 13 s when the other begins to brake, "
+        "which was 100 m and more away when the ego came there: it blocks the way, and did not go "
+        "first.",
+    ),
+    "left-turn-and-oncoming-slows-early-for-its-right-turn": Answer(
+        (),
+        "Vienna Convention art. 18",
+        "The other turns right; it slows to the speed of its turn and keeps it, and reaches the "
+        "common area 2.6 s after the ego. Its braking is that of the turn, some metres early.",
     ),
 }
 """By the names of the situations."""
