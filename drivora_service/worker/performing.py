@@ -37,6 +37,7 @@ from drivora_service.observations.trace_files.trace_hash import egos_sha256, tra
 from drivora_service.observations.trace_files.trace_storage import remove_stored, store_trace
 from drivora_service.oracles.built_in import default_oracles, judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
+from drivora_service.oracles.oracles_version import ORACLES, oracles_version
 from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.model import AgentChoice
@@ -62,7 +63,8 @@ _LOG_LINES = 12
 
 @lru_cache(maxsize=1)
 def _versions() -> dict[str, str]:
-    return {name: version(name) for name in ("drivora", "libsumo", "numpy", "numba")}
+    packages = {name: version(name) for name in ("drivora", "libsumo", "numpy", "numba")}
+    return {**packages, ORACLES: oracles_version()}
 
 
 @dataclass(slots=True)

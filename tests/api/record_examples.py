@@ -24,6 +24,7 @@ import yaml
 from drivora_service.api.documentation import recorded_examples
 from drivora_service.api_paths import PREFIX
 from drivora_service.cli.application.service_process import run_service
+from drivora_service.oracles.oracles_version import ORACLES
 
 FOLDER = Path(recorded_examples.__file__).with_name("recorded")
 _CAMPAIGN_FILE = (
@@ -33,6 +34,7 @@ _CAMPAIGN_FILE = (
 
 _ID = re.compile(r"(?<![0-9a-f])[0-9a-f]{24}(?![0-9a-f])")
 _DATA_FOLDER = "/var/lib/drivora"
+_ORACLES = "5c1f0be92a7d"
 _PAGE_TOKEN = "WyI1ZmVjZWI2NmZmYzgiLCAxXQ"
 _TIMES = {
     "created_at": "2026-03-02T09:30:00Z",
@@ -471,6 +473,8 @@ class _Recording:
         if isinstance(value, str):
             if key == "next_page_token":
                 return value and _PAGE_TOKEN
+            if key == ORACLES:
+                return _ORACLES
             return _TIMES.get(key, self._steady_text(value))
         if key == "revision":
             return _REVISION

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -107,6 +108,7 @@ def _print_content(done: Sequence[Rejudged]) -> None:
             "error": one.error,
             "damaged": one.is_damaged,
             "note": one.note,
+            "by_other_oracles": one.by_other_oracles,
             "compared": one.compared,
             "changes": [
                 {"oracle": c.oracle, "ego": c.ego, "before": c.before, "after": c.after}
@@ -128,6 +130,9 @@ def _print_rows(done: Sequence[Rejudged]) -> None:
     if rows:
         columns = ("run", "oracle", "ego", "before", "after")
         print_table("", columns, rows, wrap=("before", "after"))
+        counts = Counter(oracle for _, oracle, *_ in rows)
+        by_oracle = ((oracle, str(count)) for oracle, count in counts.most_common())
+        print_table("Changed verdicts by oracle", ("oracle", "changed"), by_oracle)
     for one in done:
         if one.error or one.note:
             print(f"{one.trace}: {one.error or one.note}")
@@ -135,3 +140,5 @@ def _print_rows(done: Sequence[Rejudged]) -> None:
     changed = sum(bool(one.changes) for one in done)
     damaged = sum(one.is_damaged for one in done)
     print(f"Traces: {len(done)}; compared: {compared}; changed: {changed}; damaged: {damaged}")
+    if others := sum(one.by_other_oracles for one in done):
+        print(f"Judged before by another version of the oracles: {others}")

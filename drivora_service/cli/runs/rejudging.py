@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from drivora_service.observations.trace_files.stored_trace import StoredTrace
 from drivora_service.observations.trace_files.trace_file import read_trace
 from drivora_service.oracles.built_in import judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
+from drivora_service.oracles.oracles_version import judged_by_current
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.oracles.verdicts.verdict_changes import VerdictChange, verdict_changes
 from drivora_service.oracles.verdicts.verdict_json import verdict_content
@@ -35,6 +36,8 @@ class Rejudged:
         error: Why it could not be judged, or "".
         is_damaged: Whether that is because its file is not what was recorded.
         note: Why it was not compared though nothing failed, or "".
+        by_other_oracles: Whether its earlier verdicts were given by another version of the
+            oracles, or by a version that did not record its own.
         compared: Whether there are earlier verdicts to compare with.
         verdicts: By the current oracles.
         changes: Empty if nothing changed or was compared.
@@ -46,6 +49,7 @@ class Rejudged:
     error: str = ""
     is_damaged: bool = False
     note: str = ""
+    by_other_oracles: bool = False
     compared: bool = False
     verdicts: tuple[Verdict, ...] = ()
     changes: tuple[VerdictChange, ...] = ()
@@ -59,11 +63,13 @@ class _Report:
         run_id: Id of the run, or "".
         trace_sha256: Hash of its trace, or "".
         verdicts: Its verdicts; ``None`` unless the run finished.
+        by_other_oracles: As of ``Rejudged``.
     """
 
     run_id: str = ""
     trace_sha256: str = ""
     verdicts: list[dict[str, Any]] | None = None
+    by_other_oracles: bool = False
 
 
 class Rejudge:
@@ -86,7 +92,12 @@ class Rejudge:
             )
 
         note = "judged; there is no report beside it to compare with"
-        named = Rejudged(name=path.name.partition(".")[0], trace=str(path), run_id=report.run_id)
+        named = Rejudged(
+            name=path.name.partition(".")[0],
+            trace=str(path),
+            run_id=report.run_id,
+            by_other_oracles=report.by_other_oracles,
+        )
         return self.judge(named, read, report.verdicts, note=note)
 
     def judge(
@@ -100,30 +111,22 @@ class Rejudge:
         """Judges a trace, and compares with earlier verdicts.
 
         Args:
-            named: Name and place of the trace.
+            named: Name and place of the trace, and what is known of the earlier verdicts.
             read: Reads it.
             before: Earlier verdicts; ``None``: there are none.
             note: Said if there are none.
         """
-        name, trace, run_id = named.name, named.trace, named.run_id
         try:
             verdicts = self._verdicts_of(read())
         except TraceDamaged as error:
-            return Rejudged(
-                name=name, trace=trace, run_id=run_id, error=str(error), is_damaged=True
-            )
+            return replace(named, error=str(error), is_damaged=True)
         except (DrivoraError, OSError) as error:
-            return Rejudged(name=name, trace=trace, run_id=run_id, error=str(error))
+            return replace(named, error=str(error))
         if before is None:
-            return Rejudged(name=name, trace=trace, run_id=run_id, verdicts=verdicts, note=note)
+            return replace(named, verdicts=verdicts, note=note)
         after = [verdict_content(verdict) for verdict in verdicts]
-        return Rejudged(
-            name=name,
-            trace=trace,
-            run_id=run_id,
-            compared=True,
-            verdicts=verdicts,
-            changes=verdict_changes(before, after),
+        return replace(
+            named, compared=True, verdicts=verdicts, changes=verdict_changes(before, after)
         )
 
     def _verdicts_of(self, trace: Trace) -> tuple[Verdict, ...]:
@@ -166,6 +169,7 @@ def _read_report(trace: Path) -> _Report:
             run_id=str(content.get("id") or ""),
             trace_sha256=str(content.get("trace_sha256") or ""),
             verdicts=list(content["verdicts"]) if is_finished else None,
+            by_other_oracles=is_finished and not judged_by_current(content.get("versions") or {}),
         )
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return _Report()

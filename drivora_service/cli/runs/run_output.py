@@ -219,6 +219,11 @@ def _print_remarks(result: ScenarioResult) -> None:
         )
     for verdict in find_artefact_verdicts(run.verdicts):
         print(f"{result.scenario}: {verdict.ego}: {verdict.message}")
+    if run.judged_by_other_oracles:
+        print(
+            f"{result.scenario}: judged by another version of the oracles; what changes by "
+            f"today's: drivora rejudge {run.id}"
+        )
     if run.error is None:
         return
     print(f"{result.scenario}: {run.error.cause}: {run.error.message}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -13,6 +13,7 @@ from drivora_service.errors import NotFound, RequestConflict, TraceDamaged
 from drivora_service.observations.trace import Trace
 from drivora_service.observations.trace_files.checked_trace import read_checked_trace
 from drivora_service.observations.trace_files.stored_trace import StoredTrace
+from drivora_service.oracles.oracles_version import judged_by_current
 from drivora_service.oracles.verdicts.verdict_json import verdict_content
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.settings import Settings
@@ -111,6 +112,9 @@ def _rejudge_run(client: Client, wanted: StoredRun, judge: Rejudge, scratch: Pat
             file.unlink(missing_ok=True)
 
     is_finished = run.status is RunStatus.FINISHED
+    # Other than those here: the service may have other ones.
+    by_others = is_finished and not judged_by_current(run.versions)
+    named = replace(named, by_other_oracles=by_others)
     before = [verdict_content(one) for one in run.verdicts] if is_finished else None
     return judge.judge(named, read, before, note="judged; the stored run has no verdicts")
 

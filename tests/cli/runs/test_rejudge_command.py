@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from drivora_service.oracles.oracles_version import ORACLES, oracles_version
 from drivora_service.oracles.verdict import Outcome
 from tests.cli.conftest import Drivora
 
@@ -131,3 +132,46 @@ def test_other_folders_with_the_data_folder_around_them_are_those_of_commands(
     assert "Traces: 1; compared: 1; changed: 0; damaged: 0" in ended.out
     (tmp_path / "empty").mkdir()
     assert drivora("rejudge", tmp_path / "empty").code == 2
+
+
+def test_a_store_of_older_oracles_is_judged_again_without_being_changed(
+    drivora: Drivora, results: Path, tmp_path: Path
+) -> None:
+    data = tmp_path / "data"
+    content = json.loads((results / "crossing.report.json").read_text())
+    assert content["versions"][ORACLES] == oracles_version()
+    shown = drivora("runs", "show", content["id"])
+    assert "another version" not in shown.out
+    assert "another version" not in drivora("rejudge", data).out
+
+    with closing(sqlite3.connect(data / "drivora.sqlite3")) as connection, connection:
+        ((body,),) = connection.execute("SELECT body FROM reports").fetchall()
+        older = json.loads(body)
+        older["versions"][ORACLES] = "of-old"
+        collision = next(v for v in older["verdicts"] if v["oracle"] == "collision")
+        collision.update(outcome="violated", at_fault=True)
+        connection.execute("UPDATE reports SET body = ?", (json.dumps(older),))
+    shown = drivora("runs", "show", content["id"])
+    assert "judged by another version of the oracles" in shown.out
+    assert f"drivora rejudge {content['id']}" in shown.out
+
+    before = (data / "drivora.sqlite3").read_bytes()
+    judged = drivora("rejudge", data)
+    assert judged.code == 1
+    assert "Changed verdicts by oracle" in judged.out
+    assert "Traces: 1; compared: 1; changed: 1; damaged: 0" in judged.out
+    assert "Judged before by another version of the oracles: 1" in judged.out
+    (run,) = drivora("rejudge", data, "--json").json()["runs"]
+    assert run["by_other_oracles"]
+    assert (data / "drivora.sqlite3").read_bytes() == before
+
+
+def test_a_report_without_the_version_of_its_oracles_is_of_other_ones(
+    drivora: Drivora, results: Path
+) -> None:
+    report = results / "crossing.report.json"
+    content = json.loads(report.read_text())
+    del content["versions"][ORACLES]
+    report.write_text(json.dumps(content))
+    (run,) = drivora("rejudge", results, "--json").json()["runs"]
+    assert (run["by_other_oracles"], run["changes"]) == (True, [])

@@ -6348,6 +6348,12 @@ export interface components {
              */
             item: number;
             /**
+             * Judged By Other Oracles
+             * @description Whether its verdicts were given by another version of the oracles than that of this installation, or by one that was not recorded.
+             * @default false
+             */
+            judged_by_other_oracles: boolean;
+            /**
              * Label
              * @description Display name.
              */

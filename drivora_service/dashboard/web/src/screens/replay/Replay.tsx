@@ -12,6 +12,7 @@ import { readState, stretchWords, TRAILS, trailsText } from "./address";
 import { avoidableUntil } from "./avoidable";
 import { CompareChoice } from "./CompareChoice";
 import { Caption, CompareLine } from "./CompareLine";
+import { rejudgeCommand } from "./againCommand";
 import { Controls } from "./Controls";
 import { Clock } from "./clock";
 import { EgoFacts } from "./EgoFacts";
@@ -191,7 +192,12 @@ function Player({
 
   return (
     <div className="replay">
-      <VerdictLine run={run} untilOf={avoidableUntil} onMoment={jump} />
+      <VerdictLine
+        run={run}
+        untilOf={avoidableUntil}
+        onMoment={jump}
+        rejudge={rejudgeCommand(run, window.location.origin)}
+      />
       {state.beside && (
         <CompareLine
           other={second.run}

@@ -23,11 +23,14 @@ export function VerdictLine({
   run,
   untilOf,
   onMoment,
+  rejudge = "",
 }: {
   readonly run: Pick<Schemas["Run"], "verdicts" | "failing_verdicts" | "definition">;
   /** Last moment at which a violation could still be avoided, seconds. */
   readonly untilOf: (verdict: Verdict) => number | null;
   readonly onMoment: (time: number) => void;
+  /** Command that judges the run again, if another version of the oracles has judged it. */
+  readonly rejudge?: string;
 }) {
   const [isUnfolded, unfold] = useState(false);
   const { verdicts, definition } = run;
@@ -93,6 +96,11 @@ export function VerdictLine({
       )}
       <Counted verdicts={unclear} words="not measurable" />
       <Counted verdicts={idle} words="with nothing to judge" />
+      {rejudge && (
+        <span className="quiet">
+          judged by another version of the oracles; what changes by today's: <code>{rejudge}</code>
+        </span>
+      )}
     </div>
   );
 }

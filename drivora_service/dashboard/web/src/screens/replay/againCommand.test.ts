@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { againCommand } from "./againCommand";
+import { againCommand, rejudgeCommand } from "./againCommand";
 
 const SERVER = "http://127.0.0.1:8000";
 
@@ -17,4 +17,11 @@ it("the scenario of a run without a result is driven again", () => {
     expect(againCommand({ id: "a1", status, cause: "worker_lost" }, SERVER)).toBe(expected);
   const quarantined = { id: "a1", status: "simulator_crashed", cause: "quarantined" } as const;
   expect(againCommand(quarantined, SERVER)).toBe(expected);
+});
+
+it("a run is judged again if another version of the oracles has judged it", () => {
+  expect(rejudgeCommand({ id: "a1", judged_by_other_oracles: true }, SERVER)).toBe(
+    "drivora rejudge a1 --server http://127.0.0.1:8000",
+  );
+  expect(rejudgeCommand({ id: "a1", judged_by_other_oracles: false }, SERVER)).toBe("");
 });

@@ -21,3 +21,11 @@ export function againCommand(
   if (!WITHOUT_RESULT.has(status) && cause !== "quarantined") return replayCommand(id, server);
   return `drivora runs scenario ${id} --server ${server} --out ${id}.json && drivora run ${id}.json`;
 }
+
+/** Returns the command that judges a run by today's oracles; "" if these have judged it. */
+export function rejudgeCommand(
+  { id, judged_by_other_oracles }: Pick<Schemas["Run"], "id" | "judged_by_other_oracles">,
+  server: string,
+): string {
+  return judged_by_other_oracles ? `drivora rejudge ${id} --server ${server}` : "";
+}
