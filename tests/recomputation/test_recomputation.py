@@ -6,6 +6,7 @@ networks with the standard library, and the rules are written anew with NumPy an
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -19,8 +20,11 @@ from drivora_service.networks.catalogue import NetworkCatalogue, shipped_network
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
+from drivora_service.scenario.documents import document_text
+from drivora_service.scenario.importers.reading import read_scenarios
 from drivora_service.scenario.validation import validate_data
 from drivora_service.worker.setup import WorkerSetup
+from tests.recomputation import town
 from tests.recomputation.comparing import Comparison, Disagreement, Recomputed
 from tests.recomputation.comparing_scores import NUPLAN, ScoreComparison
 from tests.recomputation.mixed_runs import TOWNS, Document, mixed_documents
@@ -40,9 +44,11 @@ RULES = (
 FEW = ("several_egos-2", "off_the_road-1", "at_signals-7", "with_walkers-0", "at_stop_signs-3")
 
 
-def _performed(documents: Mapping[str, Document], folder: Path) -> dict[str, RunReport]:
+def _performed(
+    documents: Mapping[str, Document], folder: Path, imported: Path | None = None
+) -> dict[str, RunReport]:
     """Runs documents on worker processes; all must come to their end."""
-    networks = NetworkCatalogue(shipped_networks())
+    networks = NetworkCatalogue(shipped_networks(), imported)
     specs = [
         RunSpec(
             run_id=name,
@@ -51,7 +57,9 @@ def _performed(documents: Mapping[str, Document], folder: Path) -> dict[str, Run
         )
         for name, document in documents.items()
     ]
-    setup = WorkerSetup(shipped_networks=shipped_networks(), installed_oracles=False)
+    setup = WorkerSetup(
+        shipped_networks=shipped_networks(), imported_networks=imported, installed_oracles=False
+    )
     with LocalExecutor(slots=2, setup=setup, folder=folder / "workers") as executor:
         reports = {report.run_id: report for report in run_all(executor, specs)}
     unfinished = [r for r in reports.values() if r.status is not RunStatus.FINISHED]
@@ -250,3 +258,31 @@ def _is_off_route(ego: Recomputed, step: int) -> bool:
     """Returns whether the ego was beside its route at a step, or soon after."""
     k = step - ego.drive.first
     return bool(ego.progress.beside[k : k + 30].max() > 2.0)
+
+
+@pytest.mark.slow(seconds=60)
+def test_routes_on_towns_of_carla_agree(
+    shared_data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Towns on which nothing here was written: with another conversion, signals and long routes."""
+    maps = shared_data / "maps"
+    for name in ("Town01", "Town02"):
+        (tmp_path / "towns" / name).mkdir(parents=True)
+        (tmp_path / "towns" / name / f"{name}.net.xml").symlink_to(maps / f"{name}.net.xml")
+    monkeypatch.setattr(town, "_TOWNS", tmp_path / "towns")
+    documents: dict[str, Document] = {}
+    for file in ("leaderboard1_training_town01_04", "leaderboard1_testing_town02_04"):
+        content = (shared_data / "routes" / f"{file}.xml").read_bytes()
+        for agent in ("idm", "ad-mlp", "plant-lite"):
+            for item in read_scenarios(content, name=file, agent=agent)[:5]:
+                document = json.loads(document_text(item.document))
+                document |= {"background_traffic": {"count": 30}, "seed": 1}
+                documents[f"{item.name}-{agent}"] = document
+    runs = _compared(_performed(documents, tmp_path, maps).values(), tmp_path)
+    _check(runs)
+    assert len(runs) == 30
+    egos = [ego for run in runs for ego in run.egos]
+    lines = [line.red for ego in egos for line in ego.lines]
+    assert min(lines.count(True), lines.count(False)) >= 3
+    assert sum(len(ego.collisions) for ego in egos) >= 5
+    assert sum(ego.completion == 100.0 for ego in egos) >= 10
