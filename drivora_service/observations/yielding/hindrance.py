@@ -44,8 +44,8 @@ vehicles that come later wait as behind any standing vehicle, and ``junction_blo
 ego, from the same time and with the same distance."""
 
 _SOON = 1.0
-"""Seconds ahead of a vehicle in which bends, signals and signs are reasons for its speed: few drivers
-brake at the last moment that their comfort allows."""
+"""Seconds ahead of a vehicle in which bends, signals and signs are reasons for its speed: few
+drivers brake at the last moment that their comfort allows."""
 
 _EARLIER = 1.0
 """Seconds before the ego is in the way in which another driver may brake for it."""
