@@ -2977,6 +2977,11 @@ export interface components {
              */
             name: string;
             /**
+             * Preventable
+             * @description Compared runs with a violation that is not the fault of the ego, but avoidable, whether it counts or not.
+             */
+            preventable: number;
+            /**
              * Runs
              * @description Stored runs.
              */
