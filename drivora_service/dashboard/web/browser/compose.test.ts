@@ -34,11 +34,7 @@ interface Stored {
 
 interface Judged {
   readonly ended_at: string | null;
-  readonly verdicts: readonly {
-    readonly oracle: string;
-    readonly outcome: string;
-    readonly at_fault: boolean | null;
-  }[];
+  readonly failures: number | null;
 }
 
 const path = (page: Page) => new URL(page.url()).pathname;
@@ -291,29 +287,33 @@ it("a search begins from an evaluation, and from what the author screen leaves",
   await context.close();
 });
 
-it("what a run violated at an ego's fault counts in a search that begins from it", async () => {
+it("what was defined as a failure for a run counts in a search that begins from it", async () => {
   const file = "tee-town-failure-to-yield-road-station-1-4.json";
   const content: unknown = JSON.parse(readFileSync(join(SMOKE, file), "utf8"));
-  const { id } = await api.post<{ id: string }>("/jobs?label=fails%20to%20yield", content);
-  const { verdicts } = await api.until<Judged>(`/runs/${id}`, ({ ended_at }) => ended_at !== null);
-  const failing = verdicts.filter(({ outcome, at_fault }) => outcome === "violated" && at_fault);
-  expect(failing.map(({ oracle }) => oracle)).toContain("failure_to_yield");
+  const asked = "label=fails%20to%20yield&counts=any&count_oracle=failure_to_yield";
+  const { id } = await api.post<{ id: string }>(`/jobs?${asked}`, content);
+  const { failures } = await api.until<Judged>(`/runs/${id}`, ({ ended_at }) => ended_at !== null);
+  expect(failures).toBe(1);
 
   const { page, context } = await open(browser, `${url}/campaigns/new?run=${id}`);
   await ready(page);
-  expect((await shown(page)).oracles).toContain("failure_to_yield");
+  expect(await shown(page)).toMatchObject({ counts: "any", oracles: ["failure_to_yield"] });
   const section = page.getByRole("region", { name: "What counts as a failure" });
-  await section.getByText("Failure to yield counts, too: the run of the scenario").waitFor();
+  await section.getByText("Of failure to yield.").waitFor();
   const start = page.getByRole("region", { name: "Start" });
-  await start.getByText(/^Counts: collision, .*failure to yield/).waitFor();
+  await start.getByText("Counts: violations of any fault, of failure to yield").waitFor();
 
-  // What is taken back does not count, which is told.
+  // What is taken back does not count any more.
   await start.getByRole("button", { name: "Change" }).click();
   expect(await hasFocus(section)).toBe(true);
+  await section.getByLabel("Violations").selectOption("preventable");
   await section.getByRole("button", { name: "Back to the default" }).click();
-  expect(await shown(page)).not.toHaveProperty("oracles");
-  await section.getByText("fault, which does not count").waitFor();
-  expect(await start.innerText()).not.toContain("failure to yield");
+  const changed = await shown(page);
+  expect(changed).not.toHaveProperty("oracles");
+  expect(changed.counts).toBe("preventable");
+  await section.getByText("Of all oracles but observations.").waitFor();
+  await section.getByLabel("Violations").selectOption("accountable");
+  expect(await shown(page)).not.toHaveProperty("counts");
   await context.close();
 });
 

@@ -5,10 +5,10 @@ type Definition = Schemas["StatedDefinition"];
 /** The violations that can count as failures, in words. */
 export const COUNTED_WORDS: Readonly<Record<Schemas["Counted"], string>> = {
   accountable: "that an ego is accountable for",
-  preventable: "also of others, if a careful driver avoids them",
-  at_fault: "at fault, also those not avoidable",
+  preventable: "that an ego is accountable for, or a careful driver avoids",
+  at_fault: "that an ego is accountable for, or at fault in",
   possibly_at_fault: "not known to be another's fault",
-  any: "any violation",
+  any: "of any fault",
 };
 
 const ORIGINS: Readonly<Record<Definition["origin"], string>> = {

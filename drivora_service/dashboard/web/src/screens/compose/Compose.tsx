@@ -6,7 +6,7 @@ import { useScope } from "../../shell/session";
 import { BudgetSection } from "./BudgetSection";
 import { type Beginning, useBeginning } from "./beginning";
 import { type Catalogues, presetOptions, useCatalogues } from "./catalogues";
-import { countedOracles, countingAsDefined } from "./counting";
+import { countedInWords, countingAsDefined } from "./counting";
 import { DocumentView } from "./DocumentView";
 import { type Draft, documentOf, emptyDraft, type Kind, nameOf, withSetting } from "./draft";
 import type { Form } from "./form";
@@ -19,8 +19,8 @@ import { useValidation, type Validation } from "./useValidation";
 import "./compose.css";
 
 interface Asked {
-  /** The oracles whose violations count. */
-  readonly counted: readonly string[];
+  /** What counts as a failure, in words. */
+  readonly counted: string;
   readonly draft: Draft;
   readonly document: ReturnType<typeof documentOf>;
 }
@@ -77,7 +77,7 @@ function Loaded<Answer>({
   );
   const { draft, change, isChanged, discard } = useDraft(kind, beginning.source, first);
   const document = useMemo(() => documentOf(kind, draft), [kind, draft]);
-  const counted = countedOracles(catalogues, draft);
+  const counted = countedInWords(draft);
   const hasScenario = draft.scenarios.length > 0;
   const { maySubmit } = useScope();
   // Who may not start is not answered.

@@ -6,7 +6,6 @@ import { Mark } from "../../components/Mark";
 import { Prose } from "../../components/Prose";
 import { Refused } from "../../components/States";
 import { useScope } from "../../shell/session";
-import { plain } from "../failures/words";
 import type { Validation } from "./useValidation";
 
 /** Goes to the field of a problem, or to the part of the form that is next to its place. */
@@ -36,8 +35,8 @@ export function Outcome<Answer extends { readonly notes: readonly string[] }>({
 }: {
   /** The words of the button. */
   readonly action: string;
-  /** The oracles whose violations count. */
-  readonly counted: readonly string[];
+  /** What counts as a failure, in words. */
+  readonly counted: string;
   readonly hasScenario: boolean;
   readonly validation: Validation<Answer>;
   /** What can be started, in words. */
@@ -89,7 +88,7 @@ export function Outcome<Answer extends { readonly notes: readonly string[] }>({
             <Notes notes={answer.notes} />
           </>
         )}
-        {hasScenario && <Counted names={counted} />}
+        {hasScenario && <Counted words={counted} />}
         <button
           type="button"
           className="primary start-button"
@@ -106,10 +105,10 @@ export function Outcome<Answer extends { readonly notes: readonly string[] }>({
 }
 
 /** What will count as a failure; a press leads to its choice. */
-function Counted({ names }: { readonly names: readonly string[] }) {
+function Counted({ words }: { readonly words: string }) {
   return (
     <p>
-      Counts: {names.map(plain).join(", ") || "nothing"}{" "}
+      Counts: {words}{" "}
       <button type="button" className="plain change" onClick={() => jumpTo("/oracles")}>
         Change
       </button>

@@ -27,8 +27,8 @@ export function Start<
   ready,
 }: {
   readonly kind: Kind;
-  /** The oracles whose violations count. */
-  readonly counted: readonly string[];
+  /** What counts as a failure, in words. */
+  readonly counted: string;
   readonly draft: Draft;
   readonly document: JsonObject;
   readonly validation: Validation<Answer>;

@@ -1,4 +1,5 @@
 import type { Schemas } from "../../api/client";
+import { COUNTED_WORDS, countedOf } from "../../components/definition";
 import { isSame } from "../../components/fields/typed";
 import type { Catalogues } from "./catalogues";
 import type { Draft } from "./draft";
@@ -37,6 +38,18 @@ export function countingAsDefined(draft: Draft): Draft {
     ...(defined.oracles ? { oracles: [...defined.oracles] } : {}),
   };
   return { ...draft, settings };
+}
+
+/** Returns what counts as a failure in a draft, in words. */
+export function countedInWords({ settings }: Draft): string {
+  const counts = countedOf(String(settings.counts ?? "")) ?? "accountable";
+  const oracles =
+    settings.oracles === undefined
+      ? "all oracles but observations"
+      : namesIn(settings.oracles)
+          .map((name) => name.replaceAll("_", " "))
+          .join(", ");
+  return `violations ${COUNTED_WORDS[counts]}, of ${oracles}`;
 }
 
 /** What was defined as a failure for a run. */
