@@ -12,7 +12,18 @@ import psutil
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
-from sqlalchemy import Engine, String, Text, create_engine, inspect, text
+from sqlalchemy import (
+    Boolean,
+    Engine,
+    MetaData,
+    RowMapping,
+    String,
+    Table,
+    Text,
+    create_engine,
+    inspect,
+    text,
+)
 from sqlalchemy.types import TypeEngine
 
 from drivora_service.errors import StoreError
@@ -21,6 +32,7 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.store.engine.base_tables import Base
 from drivora_service.store.migration import (
     newest_revision,
+    revisions,
     schema_version,
     upgrade,
 )
@@ -245,3 +257,69 @@ def test_the_database_is_safe_against_a_killed_process(database: Database) -> No
         "foreign_keys": 1,
         "busy_timeout": 30_000,
     }
+
+
+def test_the_newest_migration_does_on_postgresql_what_it_does_on_sqlite(
+    tmp_path: Path, postgresql: PostgresqlServer
+) -> None:
+    """A database with the runs, campaigns and failures of the revision before."""
+    *_, before, newest = revisions()
+    path = tmp_path / "old.sqlite3"
+    with closing(sqlite3.connect(path)) as old:
+        old.executescript((DATA / f"revision_{before}.sql").read_text())
+    sqlite_engine = create_engine(f"sqlite:///{path}")
+    url = postgresql.create(migrated=False)
+    server_engine = create_engine(url)
+    upgrade(server_engine, before)
+    _copy_rows(sqlite_engine, server_engine)
+    for engine in (sqlite_engine, server_engine):
+        upgrade(engine, newest)
+    expected, found = _rows(sqlite_engine), _rows(server_engine)
+    for engine in (sqlite_engine, server_engine):
+        engine.dispose()
+    postgresql.drop(url)
+    assert len(expected["runs"]) > 10
+    assert len(expected["found_failures"]) > 1
+    for table, rows in expected.items():
+        assert found[table] == rows, table
+
+
+def _copy_rows(source: Engine, target: Engine) -> None:
+    """Copies all rows between databases of one revision, each value in the type of its column."""
+    tables = MetaData()
+    tables.reflect(target)
+    with source.connect() as reading, target.begin() as writing:
+        # Without the checks of foreign keys, so that any order will do.
+        writing.execute(text("SET LOCAL session_replication_role = replica"))
+        for table in tables.sorted_tables:
+            writing.execute(table.delete())
+            rows = reading.execute(text(f"SELECT * FROM {table.name}")).mappings().all()
+            if rows:
+                writing.execute(table.insert(), [_typed(table, row) for row in rows])
+
+
+def _typed(table: Table, row: RowMapping) -> dict[str, Any]:
+    return {
+        name: bool(value)
+        if isinstance(table.c[name].type, Boolean) and value is not None
+        else value
+        for name, value in row.items()
+    }
+
+
+def _rows(engine: Engine) -> dict[str, list[list[str]]]:
+    """The rows of the tables that migrations fill, as texts that do not depend on the database."""
+    names = ("runs", "verdicts", "found_failures", "campaigns", "facets", "batch_facets")
+    found = {}
+    with engine.connect() as connection:
+        for name in names:
+            rows = connection.execute(text(f"SELECT * FROM {name}"))
+            keys = sorted(key for key in rows.keys() if not key.endswith("_at"))  # noqa: SIM118 # of rows
+            found[name] = sorted(
+                [f"{key}={_plain(row._mapping[key])}" for key in keys] for row in rows
+            )
+    return found
+
+
+def _plain(value: Any) -> Any:
+    return int(value) if isinstance(value, bool) else value
