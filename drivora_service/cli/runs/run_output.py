@@ -13,6 +13,7 @@ from drivora_service.errors import Problem
 from drivora_service.oracles.verdict import Outcome, Severity, Verdict
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, Accountability, accountability
 from drivora_service.oracles.verdicts.artefact_verdicts import find_artefact_verdicts
+from drivora_service.oracles.verdicts.failure_facts import followed_oracle
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.shapes import adapter
 from drivora_service.store.runs.run_records import RunSummary
@@ -23,6 +24,7 @@ _FAULT = {
     Accountability.UNAVOIDABLE: "yes, not avoidable",
     Accountability.UNDETERMINED: "undetermined",
     Accountability.NOT_JUDGED: "-",
+    Accountability.PREVENTABLE: "no, but avoidable",
     Accountability.NOT_AT_FAULT: "no",
 }
 _LOG_LINES = 10
@@ -106,7 +108,7 @@ def print_result(result: ScenarioResult, *, where: str = "") -> None:
                 _outcome(verdict),
                 _fault(verdict),
                 number(verdict.time),
-                verdict.message,
+                _message(verdict),
             )
             for verdict in run.verdicts
         )
@@ -157,12 +159,14 @@ def summary(run: Run | None) -> str:
     named = [
         _format_violation(verdict)
         for verdict in violated
-        if verdict.severity != Severity.OBSERVATION
+        if verdict.severity != Severity.OBSERVATION and not followed_oracle(verdict)
     ]
     seen = {verdict.oracle for verdict in violated if verdict.severity == Severity.OBSERVATION}
     text = ", ".join(named) or "none"
     if find_artefact_verdicts(run.verdicts):
         text += "; spoilt by the simulator"
+    if following := sum(bool(followed_oracle(verdict)) for verdict in violated):
+        text += f"; {following} that {'follows' if following == 1 else 'follow'}"
     if seen:
         text += f"; observed: {', '.join(sorted(seen)).replace('_', ' ')}"
     return text
@@ -180,6 +184,11 @@ def _outcome(verdict: Verdict) -> str:
     Most oracles have nothing to judge in most runs, and the words would take the message's room.
     """
     return "-" if verdict.outcome is Outcome.NOT_APPLICABLE else verdict.outcome.in_words
+
+
+def _message(verdict: Verdict) -> str:
+    follows = followed_oracle(verdict) if verdict.outcome is Outcome.VIOLATED else ""
+    return f"{verdict.message} (follows from {follows})" if follows else verdict.message
 
 
 def _fault(verdict: Verdict) -> str:

@@ -1,0 +1,72 @@
+"""What commands print of a run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from drivora_service.api.schemas.runs import Run
+from drivora_service.cli.runs.run_output import ScenarioResult, print_result, summary
+from drivora_service.oracles.verdict import Answer, Outcome, Verdict
+from drivora_service.oracles.verdicts.accountability import Accountability, accountability
+from drivora_service.oracles.verdicts.verdict_json import verdict_content
+from drivora_service.shapes import adapter
+from tests.client.examples import JOB
+
+FAULTS: dict[Accountability, dict[str, Any]] = {
+    Accountability.AVOIDABLE: {"at_fault": True, "avoidable": Answer.YES},
+    Accountability.NOT_MEASURABLE: {"at_fault": True, "avoidable": Answer.NOT_MEASURABLE},
+    Accountability.UNAVOIDABLE: {"at_fault": True, "avoidable": Answer.NO},
+    Accountability.UNDETERMINED: {"undetermined": True},
+    Accountability.NOT_JUDGED: {},
+    Accountability.PREVENTABLE: {"at_fault": False, "avoidable": Answer.YES},
+    Accountability.NOT_AT_FAULT: {"at_fault": False, "avoidable": Answer.NO},
+}
+
+
+def collision(**changes: Any) -> Verdict:
+    return Verdict(
+        oracle="collision", ego="ego", outcome=Outcome.VIOLATED, message="Collided.", **changes
+    )
+
+
+def run_with(*verdicts: Verdict) -> Run:
+    content = {
+        **JOB,
+        "status": "finished",
+        "verdicts": [verdict_content(verdict) for verdict in verdicts],
+        "observations_url": "",
+        "scenario_url": "",
+        "violations": 1,
+    }
+    run: Run = adapter(Run).validate_python(content)
+    return run
+
+
+@pytest.mark.parametrize("degree", list(Accountability))
+def test_the_fault_of_every_degree_has_words(
+    degree: Accountability, capsys: pytest.CaptureFixture[str]
+) -> None:
+    verdict = collision(**FAULTS[degree])
+    assert accountability(verdict) is degree
+    run = run_with(verdict)
+    assert summary(run).startswith("collision")
+    print_result(ScenarioResult(scenario="a", run=run))
+    assert "Collided." in capsys.readouterr().out
+
+
+def test_what_follows_is_counted_apart_and_names_its_cause(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    missed = Verdict(
+        oracle="destination",
+        ego="ego",
+        outcome=Outcome.VIOLATED,
+        message="Not arrived.",
+        follows="collision",
+    )
+    run = run_with(collision(at_fault=True), missed)
+    assert summary(run) == "collision (at fault); 1 that follows"
+    print_result(ScenarioResult(scenario="a", run=run))
+    assert "(follows from collision)" in " ".join(capsys.readouterr().out.split())
