@@ -5,6 +5,9 @@ line of the results: what the verdict says of it, and where its scenario came fr
 
     python -m benchmarks.avoidability collect --out benchmarks/results/avoidability.jsonl
     python -m benchmarks.avoidability show benchmarks/results/avoidability.jsonl
+
+After a change of the oracles alone, `judge` judges the stored traces again. After a change of the
+simulation, of an ADS or of the spaces, the scenarios run differently: `collect` into a new file.
 """
 
 from __future__ import annotations
@@ -14,7 +17,7 @@ import itertools
 import json
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -205,7 +208,25 @@ def draw(options: argparse.Namespace) -> None:
         draw_strip(trace, network, verdicts, options.folder / f"{name}.png", count=5)
 
 
-COLUMNS = ("collisions", "avoidable", "not", "not measurable", "physically avoidable")
+COLUMNS = (
+    "collisions",
+    "avoidable",
+    "not",
+    "not measurable",
+    "not at fault, but avoidable",
+    "physically avoidable",
+)
+
+
+def counts(lines: Sequence[Mapping[str, Any]]) -> tuple[int, ...]:
+    """Returns the numbers of collisions, in the order of :data:`COLUMNS`."""
+    answers = Counter(line["avoidable"] for line in lines)
+    return (
+        len(lines),
+        *(answers[answer] for answer in ("yes", "no", "not_measurable")),
+        sum(line["avoidable"] == "yes" and line["at_fault"] is False for line in lines),
+        sum(line["physically_avoidable"] == "yes" for line in lines),
+    )
 
 
 def show(options: argparse.Namespace) -> None:
@@ -219,10 +240,7 @@ def show(options: argparse.Namespace) -> None:
         print("|---" * (len(COLUMNS) + 1) + "|")
         for name in (*dict.fromkeys(line["part"] for line in lines), "together"):
             here = [line for line in some if name in (line["part"], "together")]
-            answers = Counter(line["avoidable"] for line in here)
-            full = sum(line["physically_avoidable"] == "yes" for line in here)
-            told = [answers[answer] for answer in ("yes", "no", "not_measurable")]
-            print(f"| {name} | " + " | ".join(str(n) for n in (len(here), *told, full)) + " |")
+            print(f"| {name} | " + " | ".join(str(n) for n in counts(here)) + " |")
     costs = np.array([line["milliseconds"] for line in lines])
     print(f"\nassessing one: median {np.median(costs):.1f} ms, at most {costs.max():.0f} ms")
 

@@ -31,7 +31,8 @@ def test_the_table_is_that_of_the_results(lines: list[dict[str, Any]], page: str
         answers = Counter(line["avoidable"] for line in here)
         full = sum(line["physically_avoidable"] == "yes" for line in here)
         told = [answers[answer] for answer in ("yes", "no", "not_measurable")]
-        counted[name] = [len(here), *told, full]
+        preventable = sum(line["avoidable"] == "yes" and line["at_fault"] is False for line in here)
+        counted[name] = [len(here), *told, preventable, full]
     assert written == counted
 
 
