@@ -9,6 +9,7 @@ from tests.oracles.yielding import (
     distant_traffic,
     equal_rank,
     minor_roads,
+    queues_in_exits,
     roundabouts,
     signals,
     standing_egos,
@@ -23,6 +24,6 @@ def all_situations() -> tuple[Situation, ...]:
     """In the order of their families."""
     families = (
         *(minor_roads, turns, roundabouts, signals, equal_rank),
-        *(walkers, distant_traffic, background, standing_egos),
+        *(walkers, distant_traffic, background, standing_egos, queues_in_exits),
     )
     return tuple(each for family in families for each in family.situations())

@@ -1,10 +1,11 @@
 """The answers of a second reader to the situations: the actors that the ego hinders in each.
 
 Written from traces and pictures, without knowing the oracle that judges them; the three of
-``standing_egos`` are of kinds that a reader saw it judge wrongly. Sources: the Vienna
-Convention on Road Traffic of 1968 (articles 18, 21 and 23); RSS, rule 3 (Shalev-Shwartz, Shammah,
-Shashua 2017); a post-encroachment time under 1 s as a serious conflict (Allen, Shin and Cooper
-1978); nuPlan's bound of comfort of 4.05 m/s² for hard braking.
+``standing_egos`` are of kinds that a reader saw it judge wrongly, and the answers of
+``queues_in_exits`` were written from the facts before the oracle knew of queues. Sources: the
+Vienna Convention on Road Traffic of 1968 (articles 13, 18, 21 and 23); RSS, rule 3 (Shalev-Shwartz,
+Shammah, Shashua 2017); a post-encroachment time under 1 s as a serious conflict (Allen, Shin and
+Cooper 1978); nuPlan's bound of comfort of 4.05 m/s² for hard braking.
 """
 
 from __future__ import annotations
@@ -808,6 +809,89 @@ ANSWERS: dict[str, Answer] = {
         "Vienna Convention art. 18",
         "The other turns right; it slows to the speed of its turn and keeps it, and reaches the "
         "common area 2.6 s after the ego. Its braking is that of the turn, some metres early.",
+    ),
+    "left-turn-last-of-a-standing-queue-and-oncoming-turns-right": Answer(
+        (),
+        "Vienna Convention art. 13.5 and 18.3",
+        "The ego has stood out of the junction since 8.6 s, 7.5 m behind the standing leader, when "
+        "the other begins to brake 34 m away; the exit has no room for one more vehicle, with or "
+        "without the ego it had to come down from 11 m/s to a stop for the queue.",
+    ),
+    "left-turn-last-of-a-standing-queue-far-out-and-oncoming-turns-right": Answer(
+        (),
+        "Vienna Convention art. 13.5 and 18",
+        "The ego is three lengths out of the junction and closing up to the standing leader when "
+        "the other begins to brake, 30 m away. It slows for its turn and comes to a stop 26 m "
+        "behind the ego, as it would behind the leader.",
+    ),
+    "left-turn-last-of-a-creeping-queue-and-oncoming-turns-right": Answer(
+        (),
+        "Vienna Convention art. 13.5 and 18",
+        "The leader creeps at 2 m/s all the time, and the ego follows it at this speed, out of the "
+        "junction, from 8.7 s on. The other, 35 m away, comes down from 11 m/s to the speed of the "
+        "queue, as it must for the leader, 11 m further on.",
+    ),
+    "out-right-last-of-a-creeping-queue-and-car-comes-straight-on": Answer(
+        (),
+        "Vienna Convention art. 13.5 and 18",
+        "The queue on the main road creeps at 1.5 m/s. The ego comes out behind it 58 m ahead of "
+        "the other, and creeps at its end when that begins to brake 49 m away: for the queue, "
+        "which is 8.5 m longer by the ego.",
+    ),
+    "enters-ring-last-of-a-standing-queue-and-circulating-car-stops": Answer(
+        (),
+        "Vienna Convention art. 13.5 and 18.3",
+        "The ego stands behind the queue from 8.5 s on, past the entry; the other begins to brake "
+        "at 9 s, 28 m behind it on the ring, from 7.5 m/s, and stops before the entry. It could "
+        "have driven on for one length, no further.",
+    ),
+    "left-turn-last-of-a-standing-queue-and-sumo-turns-right": Answer(
+        (),
+        "Vienna Convention art. 13.5 and 18",
+        "The other brakes 4.5 m/s² from 14 to 8 m/s for its right turn, 24 m and more from the "
+        "ego, which is two lengths out of the junction behind the standing leader; then it rolls "
+        "up to the queue by 2.7 m/s² and less.",
+    ),
+    "left-turn-into-a-free-exit-close-before-oncoming-that-turns-right": Answer(
+        ("other",),
+        "Vienna Convention art. 18; nuPlan comfort bound 4.05 m/s²",
+        "The ego is in the exit of the other's right turn from 6 to 9.5 s; the other would have "
+        "been there at 9.3 s at 8 m/s and brakes 4.6 m/s² to 0.8 m/s, 10 m from the ego. The next "
+        "vehicle in the exit is 42 m ahead of the ego and drives on at 7 m/s.",
+    ),
+    "out-right-behind-a-flowing-leader-close-before-car": Answer(
+        ("other",),
+        "Vienna Convention art. 18; RSS rule 3; nuPlan 4.05 m/s²",
+        "The leader passes at 13 m/s, about as fast as the other (14 m/s), which has no need to "
+        "brake for it. The ego comes out between them at 5 m/s, 26 m ahead of the other, which "
+        "brakes 5.4 m/s² down to 6 m/s.",
+    ),
+    "left-turn-close-before-oncoming-and-queue-far-in-the-exit": Answer(
+        ("other",),
+        "Vienna Convention art. 18; nuPlan comfort bound 4.05 m/s²",
+        "The ego is in the junction at 3.5 m/s, 14 m from the other, which brakes 4.6 m/s² from 8 "
+        "to 1 m/s. The queue stands 40 m and more behind the place where it brakes, and asks for "
+        "less than 1 m/s² there.",
+    ),
+    "left-turn-stands-in-the-junction-behind-a-queue-and-oncoming-stops": Answer(
+        ("other",),
+        "Vienna Convention art. 18 and 18.3; nuPlan comfort bound 4.05 m/s²",
+        "The ego enters although its exit is full, and stands across the oncoming lane from 8.6 s "
+        "on; the other, which goes straight on and not into the exit, brakes 4.6 m/s² from 12 m/s "
+        "to a stop.",
+    ),
+    "out-right-into-the-last-place-of-a-queue-right-before-car": Answer(
+        ("other",),
+        "Vienna Convention art. 18; RSS rule 3; nuPlan 4.05 m/s²",
+        "The ego comes out at 5 m/s 14 m (centre to centre) ahead of the other's 11 m/s, and stops "
+        "there behind the queue. The other brakes by 5.7 m/s² and stops 1 m behind it; 3.5 m/s² "
+        "were enough for the queue without the ego.",
+    ),
+    "enters-ring-close-before-circulating-car-and-queue-far-on": Answer(
+        ("other",),
+        "Vienna Convention art. 18; RSS rule 3; nuPlan 4.05 m/s²",
+        "The ego enters 12 m before the circulating car, which brakes 4.8 m/s² from 7 to 2 m/s; "
+        "the queue in the exit is 45 m further on and asks for nothing yet.",
     ),
 }
 """By the names of the situations."""
