@@ -893,5 +893,39 @@ ANSWERS: dict[str, Answer] = {
         "The ego enters 12 m before the circulating car, which brakes 4.8 m/s² from 7 to 2 m/s; "
         "the queue in the exit is 45 m further on and asks for nothing yet.",
     ),
+    "left-turn-closes-up-to-a-queue-and-oncoming-turns-right-and-follows": Answer(
+        (),
+        "Vienna Convention art. 13.5 and 18",
+        "The ego leaves the junction behind a leader that has stood 7 m ahead of its front and "
+        "moves on; 4.4 m/s² of the other, 23 m away, are more than the ego asks for (2.5 m/s²) and "
+        "as early as for the queue: it comes down to the speed of the queue and follows.",
+    ),
+    "left-turn-closes-up-to-a-queue-and-oncoming-stops-at-its-line": Answer(
+        (),
+        "Vienna Convention art. 13.5 and 18.3",
+        "The ego is out of the junction and closes the last 2 m to the standing leader when the "
+        "other begins to brake, 34 m away, from 12.9 m/s to a stop at its line. Without the ego it "
+        "had to stop for the leader 7 m further on.",
+    ),
+    "left-turn-closes-up-to-a-queue-and-oncoming-turns-right-early-slow": Answer(
+        (),
+        "Vienna Convention art. 13.5 and 18",
+        "The ego is out of the junction behind the standing leader; the other brakes from 11 to 4 "
+        "m/s 21 to 30 m before it, and rolls up to it through its turn, as to any queue.",
+    ),
+    "out-right-closes-up-to-a-creeping-queue-and-car-comes-straight-on": Answer(
+        (),
+        "Vienna Convention art. 13.5 and 18",
+        "The ego creeps at 1.5 m/s, as fast as the leader 8.5 m ahead of it, when the other begins "
+        "to brake 26 m away; it had to come down from 11.5 to 1.5 m/s for the leader as well, and "
+        "stays 15 m behind the ego.",
+    ),
+    "enters-ring-and-closes-up-to-a-queue-and-circulating-car-stops": Answer(
+        (),
+        "Vienna Convention art. 13.5 and 18.3",
+        "The ego closes the last metre to the standing leader when the circulating car begins to "
+        "brake, 20 m behind it, and stops 14 m behind it: for the queue, which the ego makes one "
+        "place longer.",
+    ),
 }
 """By the names of the situations."""

@@ -118,8 +118,8 @@ def _last_of_the_queue() -> list[Situation]:
         ),
         situation(
             "out-right-last-of-a-creeping-queue-and-car-comes-straight-on",
-            "The ego turns right on to the main road behind a queue that creeps there; a car on the "
-            "main road comes up to the queue and brakes.",
+            "The ego turns right on to the main road behind a queue that creeps there; a car on "
+            "the main road comes up to the queue and brakes.",
             TEE,
             _in_exit(TEE, OUT_RIGHT, 8.0, 9.0, *pace(4.5, (7.4, 2.5, 1.5), (17.0, 1.5, 8.0))),
             Car(
@@ -168,6 +168,97 @@ def _last_of_the_queue() -> list[Situation]:
             _ahead(TEE, "mill_1_0", 19.5, *WAITS),
             _ahead(TEE, "mill_1_0", 27.0, *WAITS, name="first"),
             seconds=30.0,
+        ),
+    ]
+
+
+def _closes_up_to_the_queue() -> list[Situation]:
+    """As on the routes of the CARLA Leaderboard: the ego is out of the junction just in time."""
+    x, y = way(RING, "small_ring_6_0")[0].tolist()
+    return [
+        situation(
+            "left-turn-closes-up-to-a-queue-and-oncoming-turns-right-and-follows",
+            "The ego turns left and closes up to a queue that moves on; an oncoming car that turns "
+            "right into the road brakes from 10.6 to 3.8 m/s and follows.",
+            TEE,
+            _in_exit(TEE, INTO_MILL, 3.0, 9.0, *pace(3.5, (8.3, 1.0, 2.0), (11.0, 1.0, 6.0))),
+            Car(
+                drive=_in_exit(
+                    TEE, HARBOUR_IN, -23.0, 8.3, *pace(10.6, (8.3, 4.4, 3.8), (10.3, 1.5, 5.5))
+                )
+            ),
+            _ahead(TEE, "mill_1_0", 11.5, *pace(0.0, (9.0, 1.2, 7.0))),
+            _ahead(TEE, "mill_1_0", 18.5, *pace(0.0, (8.0, 1.2, 7.0)), name="first"),
+            seconds=18.0,
+        ),
+        situation(
+            "left-turn-closes-up-to-a-queue-and-oncoming-stops-at-its-line",
+            "The ego turns left and comes to a stop behind a standing queue; an oncoming car that "
+            "turns right into the road brakes from 12.9 m/s to a stop at its line.",
+            TEE,
+            _in_exit(TEE, INTO_MILL, 6.0, 8.5, *pace(4.5, (6.5, 2.5, 0.0), (18.5, 2.0, 6.0))),
+            Car(
+                drive=_in_exit(
+                    TEE, HARBOUR_IN, -34.0, 7.0, *pace(12.9, (7.0, 4.4, 0.0), (20.0, 2.0, 6.0))
+                )
+            ),
+            _ahead(TEE, "mill_1_0", 13.3, *WAITS),
+            _ahead(TEE, "mill_1_0", 20.8, *WAITS, name="first"),
+            seconds=28.0,
+        ),
+        situation(
+            "left-turn-closes-up-to-a-queue-and-oncoming-turns-right-early-slow",
+            "The ego turns left and comes to a stop behind a standing queue; an oncoming car "
+            "brakes to 4 m/s well before its right turn, and rolls up to the queue.",
+            GRID,
+            _in_exit(GRID, INTO_GARDEN, 6.0, 9.5, *pace(4.5, (7.7, 2.5, 0.0), (18.5, 2.0, 6.0))),
+            Car(
+                drive=_in_exit(
+                    GRID,
+                    SECOND_IN,
+                    -27.0,
+                    8.3,
+                    *pace(11.0, (8.3, 4.4, 4.0), (11.0, 0.95, 0.0), (20.0, 2.0, 6.0)),
+                )
+            ),
+            _ahead(GRID, "garden_1_1", 13.3, *WAITS),
+            _ahead(GRID, "garden_1_1", 20.8, *WAITS, name="first"),
+            seconds=28.0,
+        ),
+        situation(
+            "out-right-closes-up-to-a-creeping-queue-and-car-comes-straight-on",
+            "The ego turns right on to the main road and creeps behind a queue there; a car on the "
+            "main road, 26 m behind it, brakes by 4.4 m/s² to the speed of the queue.",
+            TEE,
+            _in_exit(TEE, OUT_RIGHT, 5.0, 8.8, *pace(4.5, (7.4, 2.5, 1.5), (17.0, 1.5, 8.0))),
+            Car(
+                drive=_in_exit(
+                    TEE, HARBOUR_WEST, -21.0, 8.6, *pace(11.5, (8.6, 4.4, 1.5), (17.5, 1.5, 8.0))
+                )
+            ),
+            _ahead(TEE, "-harbour_0_0", 0.3, *pace(1.5, (16.0, 1.5, 9.0))),
+            _ahead(TEE, "-harbour_0_0", 8.5, *pace(1.5, (15.5, 1.5, 9.0)), name="first"),
+            seconds=24.0,
+        ),
+        situation(
+            "enters-ring-and-closes-up-to-a-queue-and-circulating-car-stops",
+            "The ego enters the small roundabout and comes to a stop behind a queue that stands "
+            "back from the next exit; a circulating car 19 m behind it brakes to a stop.",
+            RING,
+            _in_exit(RING, ENTRY, 4.0, 9.5, *pace(4.5, (7.5, 2.5, 0.0), (18.0, 1.5, 5.0))),
+            Car(
+                drive=before(
+                    way(RING, *ROUND),
+                    (x, y),
+                    16.0,
+                    8.3,
+                    *pace(7.5, (8.3, 4.4, 0.0), (19.5, 1.5, 5.0)),
+                )
+            ),
+            Car(
+                drive=_in_exit(RING, ENTRY, 11.3, 1.0, *pace(0.0, (16.5, 1.5, 6.0))), name="leader"
+            ),
+            seconds=26.0,
         ),
     ]
 
@@ -284,4 +375,4 @@ def _takes_the_right_of_way() -> list[Situation]:
 
 def situations() -> list[Situation]:
     """All of this kind."""
-    return [*_last_of_the_queue(), *_takes_the_right_of_way()]
+    return [*_last_of_the_queue(), *_closes_up_to_the_queue(), *_takes_the_right_of_way()]
