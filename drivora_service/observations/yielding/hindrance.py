@@ -4,11 +4,13 @@ Vehicles brake all the time: before bends and turns, for their own signals, behi
 drivers brake at 4 m/s² and more about twice a vehicle-minute with no ego near. So a braking is the
 ego's doing only if three things hold: at its speed the vehicle would have come into the ego's way
 within a short time; no other actor ahead explains it; and it becomes slower than its own way asks.
+A queue is an actor ahead that explains it, also if the ego is the last vehicle of that queue.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,7 +21,14 @@ from drivora_service.geometry.boxes import overlap_depth
 from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.stretches import stretches
 from drivora_service.observations.trace import LEVEL_GAP, Col
+from drivora_service.observations.yielding.exit_queue import (
+    asks_more_than,
+    is_last_of_queue,
+)
 from drivora_service.observations.yielding.own_course import (
+    BESIDE,
+    COMFORT,
+    SLOWER,
     Course,
     allowed_speeds,
     follow_course,
@@ -56,9 +65,6 @@ _MEASURED = 0.5
 _UNSLOWED = 0.95
 """Share of a vehicle's speed up to which its own way asks for no slowing."""
 
-_COMFORTABLE = 4.5
-"""m/s² beyond which no driver brakes without a reason (SUMO's default deceleration)."""
-
 _HEADWAY = 3.0
 """Seconds ahead of a vehicle within which another actor is the reason for its braking."""
 
@@ -68,16 +74,23 @@ _ALONE = 20.0
 _SAMPLES = 40
 """Places on a vehicle's way at which actors ahead are looked for, closer than cars are long."""
 
-_BESIDE = 2.5
-"""Metres from a vehicle's path up to which an actor is ahead of it."""
 
-_SLOWER = (0.85, 1.0)
-"""Share of the speed that its way allows, and m/s below that, from which on a vehicle is slower
-than its way asks: drivers differ by a tenth or so (SUMO's ``speedFactor``)."""
+class Passage(NamedTuple):
+    """The ego's rows of a passage through a junction.
+
+    Attributes:
+        first: The row from which on it may be in the way.
+        leaves: The first row after the junction.
+        last: The last row in which it may be in the way.
+    """
+
+    first: int
+    leaves: int
+    last: int
 
 
 def hindered_braking(
-    ego: EgoView, other: int, first: int, last: int, lanes: frozenset[int]
+    ego: EgoView, other: int, passage: Passage, lanes: frozenset[int]
 ) -> tuple[float, int]:
     """Returns the hardest braking of a vehicle that the ego caused, m/s², and its row of the trace.
 
@@ -86,13 +99,13 @@ def hindered_braking(
     Args:
         ego: The ego.
         other: Row of the vehicle in the trace.
-        first: The ego's row from which on it may be in the way.
-        last: The ego's last row in which it may be.
+        passage: The ego's.
         lanes: Lanes inside the junction on which the vehicle goes before the ego.
     """
     trace = ego.trace
-    first = max(first - round(_EARLIER / ego.step_length), 0)
-    rows = slice(ego.first + first, ego.first + last + 1)
+    first = max(passage.first - round(_EARLIER / ego.step_length), 0)
+    passage = passage._replace(first=first)
+    rows = slice(ego.first + first, ego.first + passage.last + 1)
     braking = _braking(trace.states[rows, other], trace.present[rows, other], ego.step_length)
     # Each braking has its own reason: the hardest may be that for a bend behind the junction.
     caused, row = 0.0, -1
@@ -100,7 +113,7 @@ def hindered_braking(
         worst = begun + int(np.argmax(braking[begun:ended]))
         hardest = float(braking[worst])
         if hardest > caused and _is_caused(
-            ego, other, ego.first + first + worst, hardest, (first, last), lanes
+            ego, other, ego.first + first + worst, hardest, passage, lanes
         ):
             caused, row = hardest, ego.first + first + worst
     return caused, row
@@ -111,7 +124,7 @@ def _is_caused(
     other: int,
     worst: int,
     hardest: float,
-    passage: tuple[int, int],
+    passage: Passage,
     lanes: frozenset[int],
 ) -> bool:
     """Returns whether the ego caused a braking of ``hardest`` m/s² in a row of the trace."""
@@ -121,14 +134,18 @@ def _is_caused(
     speed = math.hypot(*trace.states[onset, other, [Col.VX, Col.VY]])
     straight = lane_course(ego, other, onset, lanes)
     courses = (course,) if straight is None else (course, straight)
-    if not any(_would_meet(ego, other, each, onset, speed, passage) for each in courses):
+    met = [each for each in courses if _would_meet(ego, other, each, onset, speed, passage)]
+    if not met:
         return False
     allowed = allowed_speeds(ego, course, onset, lanes)
-    if _follows(ego, other, course, worst):
+    if _follows(ego, other, course, onset, worst):
+        return False
+    is_out = worst >= ego.first + passage.leaves
+    if is_out and any(is_last_of_queue(ego, other, each, onset, worst) for each in met):
         return False
     asked = float(np.interp(course.arc_at(trace.states[worst, other]), course.arc, allowed))
     # Where its way asks for no slowing, no driver brakes that hard without a reason.
-    is_harsh = hardest > _COMFORTABLE and asked >= _UNSLOWED * speed
+    is_harsh = hardest > COMFORT and asked >= _UNSLOWED * speed
     return is_harsh or _is_too_slow(ego, other, course, allowed, worst)
 
 
@@ -176,14 +193,14 @@ def _would_meet(
     course: Course,
     onset: int,
     speed: float,
-    passage: tuple[int, int],
+    passage: Passage,
 ) -> bool:
     """Returns whether a vehicle that keeps its speed is at the ego's place at about its time.
 
     By their boxes: a driver also brakes for an ego of which only a corner stands in the way.
     """
     trace = ego.trace
-    begin, last = passage
+    begin, last = passage.first, passage.last
     margin = round(_WITHIN / ego.step_length)
     times = np.arange(ego.first + begin - margin, ego.first + last + margin + 1)
     arcs = speed * ego.step_length * (times - onset)
@@ -247,8 +264,18 @@ def _boxes_meet(
     return False
 
 
-def _follows(ego: EgoView, other: int, course: Course, row: int) -> bool:
-    """Returns whether another actor than the ego is ahead on a vehicle's way in a row."""
+def _follows(ego: EgoView, other: int, course: Course, onset: int, row: int) -> bool:
+    """Returns whether another actor than the ego is ahead on a vehicle's way in a row.
+
+    One beyond the ego is no reason for braking that only the ego asks for.
+
+    Args:
+        ego: The ego.
+        other: Row of the vehicle in the trace.
+        course: Its way.
+        onset: Row of the trace in which its braking began.
+        row: Row of the trace in which it brakes hardest.
+    """
     trace = ego.trace
     state = trace.states[row, other]
     speed = math.hypot(state[Col.VX], state[Col.VY])
@@ -267,7 +294,9 @@ def _follows(ego: EgoView, other: int, course: Course, row: int) -> bool:
         away = np.hypot(*(way - theirs[[Col.X, Col.Y]]).T)
         nearest = int(np.argmin(away))
         # The first sample is the vehicle's own place: what is nearest to it is beside or behind.
-        if nearest > 0 and float(away[nearest]) < _BESIDE:
+        if nearest == 0 or float(away[nearest]) >= BESIDE:
+            continue
+        if not asks_more_than(ego, other, course, actor.row, onset, row):
             return True
     return False
 
@@ -288,7 +317,7 @@ def _is_too_slow(ego: EgoView, other: int, course: Course, allowed: FloatArray, 
     braking = _braking(states, present, trace.step_length)
     eased = np.flatnonzero((braking < _EASED) | ~present)
     last = worst + (int(eased[0]) if len(eased) else len(states) - 1)
-    share, less = _SLOWER
+    share, less = SLOWER
     for row in range(worst, last + 1):
         state = trace.states[row, other]
         if not trace.present[row, other]:

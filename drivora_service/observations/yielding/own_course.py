@@ -17,11 +17,22 @@ from drivora_service.observations.trace import Col
 _AHEAD = 80.0
 """Metres of a vehicle's own way that it looks ahead."""
 
-_COMFORT = 4.5
-"""m/s² with which a vehicle slows for its own way (SUMO's default deceleration)."""
+COMFORT = 4.5
+"""m/s² with which a vehicle slows for its own way, and beyond which no driver brakes without a
+reason (SUMO's default deceleration)."""
+
+SLOWER = (0.85, 1.0)
+"""Share of the speed that its way allows, and m/s below that, from which on a vehicle is slower
+than its way asks: drivers differ by a tenth or so (SUMO's ``speedFactor``)."""
+
+BESIDE = 2.5
+"""Metres from a vehicle's path up to which an actor is ahead of it."""
 
 _SIDEWAYS = 3.0
 """m/s² sideways up to which a vehicle drives through a bend."""
+
+_FINE = 0.25
+"""Metres between the places of a way at which the nearest to an actor is looked for."""
 
 _YIELDS = "ms="
 """SUMO's letters of connections before which a vehicle may have to slow down for others."""
@@ -44,6 +55,19 @@ class Course(NamedTuple):
         """Returns the arc length of the place nearest to a state, metres."""
         away = np.hypot(self.x - state[Col.X], self.y - state[Col.Y])
         return float(self.arc[int(np.argmin(away))])
+
+    def locate(self, state: FloatArray) -> tuple[float, float]:
+        """Returns the arc length of the place nearest to a state, and its distance, metres.
+
+        Between the places of the way as well, which are far apart on straight lanes.
+        """
+        arcs = np.linspace(0.0, float(self.arc[-1]), max(2, math.ceil(self.arc[-1] / _FINE)))
+        away = np.hypot(
+            np.interp(arcs, self.arc, self.x) - state[Col.X],
+            np.interp(arcs, self.arc, self.y) - state[Col.Y],
+        )
+        nearest = int(np.argmin(away))
+        return float(arcs[nearest]), float(away[nearest])
 
 
 def follow_course(ego: EgoView, other: int, onset: int) -> Course:
@@ -116,7 +140,7 @@ def allowed_speeds(ego: EgoView, course: Course, onset: int, lanes: frozenset[in
     # Backwards: at each place what the braking for all places after it allows.
     for p in range(len(speeds) - 2, -1, -1):
         gap = float(course.arc[p + 1] - course.arc[p])
-        speeds[p] = min(speeds[p], math.sqrt(speeds[p + 1] ** 2 + 2.0 * _COMFORT * gap))
+        speeds[p] = min(speeds[p], math.sqrt(speeds[p + 1] ** 2 + 2.0 * COMFORT * gap))
     return speeds
 
 

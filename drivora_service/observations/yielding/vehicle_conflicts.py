@@ -19,7 +19,7 @@ from drivora_service.observations.run_view import EgoView
 from drivora_service.observations.trace import Col
 from drivora_service.observations.yielding.conflict import Conflict
 from drivora_service.observations.yielding.encroachment import least_lag
-from drivora_service.observations.yielding.hindrance import hindered_braking
+from drivora_service.observations.yielding.hindrance import Passage, hindered_braking
 
 _NEAR = 80.0
 """Radius around the ego in which others are considered, metres."""
@@ -65,7 +65,8 @@ def vehicle_conflicts(ego: EgoView, *, attention: float) -> Iterator[Conflict]:
             if not _drives_on(ego, actor.row, crossing.front, last, foes):
                 continue
             lag = least_lag(ego, actor.row, crossing.front, leaves, last)
-            braking, braked = hindered_braking(ego, actor.row, crossing.front, last, foes.lanes)
+            passage = Passage(first=crossing.front, leaves=leaves, last=last)
+            braking, braked = hindered_braking(ego, actor.row, passage, foes.lanes)
             if math.isfinite(lag) or braking > 0.0:
                 yield Conflict(
                     row=crossing.front,
