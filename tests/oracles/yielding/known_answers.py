@@ -2,7 +2,7 @@
 
 Written from traces and pictures, without knowing the oracle that judges them; the three of
 ``standing_egos`` are of kinds that a reader saw it judge wrongly, and the answers of
-``queues_in_exits`` were written from the facts before the oracle knew of queues. Sources: the
+``queues_in_exits`` are by the author of that rule, before the oracle had it. Sources: the
 Vienna Convention on Road Traffic of 1968 (articles 13, 18, 21 and 23); RSS, rule 3 (Shalev-Shwartz,
 Shammah, Shashua 2017); a post-encroachment time under 1 s as a serious conflict (Allen, Shin and
 Cooper 1978); nuPlan's bound of comfort of 4.05 m/s² for hard braking.
