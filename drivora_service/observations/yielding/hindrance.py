@@ -197,7 +197,7 @@ def _would_meet(
 ) -> bool:
     """Returns whether a vehicle that keeps its speed is at the ego's place at about its time.
 
-    By their boxes: a driver also brakes for an ego of which only a corner stands in the way.
+    By their boxes: a driver also brakes for an ego that has only a corner in the way.
     """
     trace = ego.trace
     begin, last = passage.first, passage.last
