@@ -112,6 +112,7 @@ def assess(
         start + perceived.row,
         in_time_at_limit=in_time_at_limit,
         manoeuvre=manoeuvre,
+        was_hidden=perceived.hidden,
     )
     # An ego in breach is assumed to know the risk from the start of the record on.
     since = perceived.row if breach is None else 0

@@ -2,7 +2,8 @@
 
 A driver who makes the danger cannot plead that there was no time left to avoid it. So the breach
 must have to do with the collision: the ego still was where it might not be, it did not keep the
-distance to the vehicle that it ran into, or at the speed limit it could have braked.
+distance to the vehicle that it ran into, it set off towards what stood in its way, or at the speed
+limit it could have braked.
 """
 
 from __future__ import annotations
@@ -33,6 +34,12 @@ _AFTER_JUNCTION = 2.0
 """Seconds after the ego has left a junction in which a stop that it did not make there counts: the
 time in which traffic that comes from the side reaches it."""
 
+_SET_OFF = 4.0
+"""Seconds before the contact in which setting off led to it; the foresight of a careful driver."""
+
+_STOOD = 0.1
+"""m/s below which an actor stands."""
+
 
 class Breach(StrEnum):
     """A breach by the ego that excludes a careful driver."""
@@ -49,6 +56,8 @@ class Breach(StrEnum):
     """It came into the way of the other by a manoeuvre for which it is responsible."""
     TAILGATING = "tailgating"
     """It followed the other too closely when the risk became perceptible."""
+    SETTING_OFF = "setting_off"
+    """It had stood, and set off towards an actor that stood in its way and was in sight."""
     SPEEDING = "speeding"
     """It drove faster than allowed then; at the limit, braking would have been in time."""
 
@@ -60,6 +69,7 @@ BREACH_IN_WORDS = {
     Breach.FAILURE_TO_YIELD: "took the right of way",
     Breach.MANOEUVRE: "came into the way of the other",
     Breach.TAILGATING: "began to follow too closely",
+    Breach.SETTING_OFF: "set off towards what stood in its way",
     Breach.SPEEDING: "began to drive too fast",
 }
 """What the ego did, by its breach."""
@@ -86,6 +96,7 @@ def find_own_breach(
     *,
     in_time_at_limit: Callable[[], bool],
     manoeuvre: int | None = None,
+    was_hidden: bool = False,
 ) -> OwnBreach | None:
     """Returns the ego's breach that led to a collision, the gravest first; None without one.
 
@@ -98,9 +109,10 @@ def find_own_breach(
             if the ego had kept the speed limit.
         manoeuvre: The ego's row in which it came into the way of the other by a manoeuvre for which
             it is responsible; None without one.
+        was_hidden: Whether the other came into sight only when the risk became perceptible.
     """
     # One after the other, as some of them take long to find.
-    candidates = _breaches(ego, k, counterpart, perceived, in_time_at_limit, manoeuvre)
+    candidates = _breaches(ego, k, counterpart, perceived, in_time_at_limit, manoeuvre, was_hidden)
     return next(candidates, None)
 
 
@@ -111,6 +123,7 @@ def _breaches(
     perceived: int,
     in_time_at_limit: Callable[[], bool],
     manoeuvre: int | None,
+    was_hidden: bool,
 ) -> Iterator[OwnBreach]:
     if (row := _find_astray(ego, k)) is not None:
         yield OwnBreach(kind=Breach.OFF_ITS_SIDE, row=row)
@@ -124,6 +137,8 @@ def _breaches(
         yield OwnBreach(kind=Breach.MANOEUVRE, row=max(manoeuvre, 0))
     if (row := _find_tailgating(ego, counterpart, perceived)) is not None:
         yield OwnBreach(kind=Breach.TAILGATING, row=row)
+    if not was_hidden and (row := _find_setting_off(ego, k, counterpart)) is not None:
+        yield OwnBreach(kind=Breach.SETTING_OFF, row=row)
     if (row := _find_speeding(ego, perceived)) is not None and in_time_at_limit():
         yield OwnBreach(kind=Breach.SPEEDING, row=row)
 
@@ -223,6 +238,26 @@ def _find_tailgating(ego: EgoView, counterpart: int, perceived: int) -> int | No
     if row is None or (perceived - row) * ego.step_length < oracle.duration - 1e-9:
         return None
     return row
+
+
+def _find_setting_off(ego: EgoView, k: int, counterpart: int) -> int | None:
+    """Returns the row in which an ego set off towards an actor that stood in its way till then.
+
+    The motion of an ego that stands meets nothing, so that the risk becomes perceptible only when
+    it already moves. A driver who looks ahead does not set off.
+    """
+    stood = np.flatnonzero(np.hypot(ego.states[:k, Col.VX], ego.states[:k, Col.VY]) < _STOOD)
+    if not len(stood):
+        return None
+    row = int(stood[-1])
+    if (k - row) * ego.step_length > _SET_OFF + 1e-9:
+        return None
+    since = slice(ego.first + row, ego.first + k)
+    if not ego.trace.present[since, counterpart].all():
+        return None
+    other = ego.trace.states[since, counterpart]
+    stays = bool((np.hypot(other[:, Col.VX], other[:, Col.VY]) < _STOOD).all())
+    return row if stays else None
 
 
 def _find_speeding(ego: EgoView, perceived: int) -> int | None:

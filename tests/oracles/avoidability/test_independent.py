@@ -25,11 +25,17 @@ def box(x: float, y: float, yaw: float, length: float, width: float) -> Polygon:
     return Polygon(corners @ turn.T + [x, y])
 
 
-def avoids(trace: Trace, row: int, friction: float, fine: int = 10) -> bool:
-    """Brakes from ``row`` on in steps a tenth as long, against the one that was hit."""
+def avoids(trace: Trace, row: int, friction: float, larger: float, fine: int = 10) -> bool:
+    """Brakes from ``row`` on in steps a tenth as long, against the one that was hit.
+
+    That one is ``larger`` by so many metres than it is.
+    """
     (contact,) = trace.contacts
     ego, other = trace.states[:, 0], trace.states[:, contact.other]
-    sizes = [(trace.actors[i].length, trace.actors[i].width) for i in (0, contact.other)]
+    sizes = [
+        (trace.actors[i].length + more, trace.actors[i].width + more)
+        for i, more in ((0, 0.0), (contact.other, larger))
+    ]
     driven = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(ego[:, :2], axis=0).T))))
     heading = ego[-1, Col.YAW]
     full = min(0.774 * 9.81, friction * 9.81)
@@ -58,6 +64,9 @@ def avoids(trace: Trace, row: int, friction: float, fine: int = 10) -> bool:
         yaw = heading if way == heading else last[Col.YAW]
         return box(last[0] + far * math.cos(way), last[1] + far * math.sin(way), yaw, *sizes[1])
 
+    pace = np.hypot(ego[:, Col.VX], ego[:, Col.VY])
+    recorded = np.zeros(contact.step + round(10.0 / STEP))
+    recorded[: contact.step] = -np.diff(pace)[: contact.step] / STEP
     arc, speed, stood = driven[row], float(np.hypot(*ego[row, [Col.VX, Col.VY]])), 0.0
     for step in range(row, contact.step + round(10.0 / STEP)):
         begins = (step + 1 - row) * STEP <= 1.15 + 1e-9
@@ -67,17 +76,21 @@ def avoids(trace: Trace, row: int, friction: float, fine: int = 10) -> bool:
             for part in range(fine):
                 since = (step - row + (part + 0.5) / fine) * STEP - 1.15
                 braking = min(max(since, 0.0) * 0.774 * 9.81 / 0.6, full)
+                # A driver who brakes already does not let go in order to brake.
+                braking = max(braking, recorded[step])
                 slower = max(speed - braking * STEP / fine, 0.0)
                 arc, speed = arc + 0.5 * (speed + slower) * STEP / fine, slower
         if ego_at(arc).intersection(other_at(step + 1)).area > 1e-9:
             return False
         stood += STEP if speed <= 0.0 else 0.0
         if step >= contact.step and stood >= 2.0:
-            return not comes_on(trace, ego_at(arc), way - heading, speed_then, slowing)
+            return not comes_on(trace, ego_at(arc), way - heading, speed_then, slowing, larger)
     return True
 
 
-def comes_on(trace: Trace, standing: Polygon, turn: float, speed: float, slowing: float) -> bool:
+def comes_on(
+    trace: Trace, standing: Polygon, turn: float, speed: float, slowing: float, larger: float
+) -> bool:
     """Whether an oncoming vehicle, which goes straight on, sweeps over the place of an ego."""
     if speed <= 0.1 or math.cos(turn) > math.cos(math.radians(115.0)):
         return False
@@ -86,7 +99,13 @@ def comes_on(trace: Trace, standing: Polygon, turn: float, speed: float, slowing
     x, y, yaw = trace.states[-1, contact.other, :3].tolist()
     far = 300.0 if slowing <= 0.0 else min(300.0, speed**2 / (2.0 * slowing))
     begin, end = (
-        box(x + s * math.cos(yaw), y + s * math.sin(yaw), yaw, actor.length, actor.width)
+        box(
+            x + s * math.cos(yaw),
+            y + s * math.sin(yaw),
+            yaw,
+            actor.length + larger,
+            actor.width + larger,
+        )
         for s in (0.0, far)
     )
     return bool(begin.union(end).convex_hull.intersection(standing).area > 1e-9)
@@ -155,7 +174,11 @@ def test_vehicles_that_cross(
 
 
 def compare(ego: Motion, other: Motion, friction: float) -> None:
-    """Both replays find the same last row, within one."""
+    """Both replays find the same last row, within one, of another that is 1 cm larger or smaller.
+
+    An ego that brakes at walking pace stops in nearly the same place from several rows, so that the
+    last of them is a matter of millimetres.
+    """
     try:
         trace = collision(ego, other)
     except AssertionError:
@@ -163,5 +186,8 @@ def compare(ego: Motion, other: Motion, friction: float) -> None:
     latest = careful_braking(cut(trace), CarefulDriver(), friction * 9.81, math.inf)
     (contact,) = trace.contacts
     rows = range(contact.step - 1, -1, -1)
-    found = next((row for row in rows if avoids(trace, row, friction)), -1)
-    assert abs(found - latest) <= 1
+    least, most = (
+        next((row for row in rows if avoids(trace, row, friction, larger)), -1)
+        for larger in (0.01, -0.01)
+    )
+    assert least - 1 <= latest <= most + 1

@@ -12,12 +12,13 @@ import pytest
 
 from drivora_service.observations.run_view import RunView
 from drivora_service.oracles.collision import Collision
-from drivora_service.oracles.verdict import Answer
+from drivora_service.oracles.verdict import Answer, Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability, accountability
 from drivora_service.scenario.documents import parse_document
 from tests.conftest import ROOT
+from tests.oracles.responsibility.case import AT_FAULT, Case, Ego, Parked
 from tests.oracles.responsibility.judged import collisions, record
-from tests.oracles.responsibility.ways import town
+from tests.oracles.responsibility.ways import Drive, straight, town
 
 CHAINS = {
     "ego-follows-at-four-metres-and-leader-slows-down": "tailgating",
@@ -72,3 +73,36 @@ def test_collisions_that_were_excused_before(name: str) -> None:
     assert verdict.at_fault
     assert verdict.evidence["avoidability"]["own_breach"] == SHARED[name]
     assert accountability(verdict) is Accountability.AVOIDABLE
+
+
+def set_off(*, gap: float, appears: float = 0.0) -> Verdict:
+    """The verdict on an ego that stands for 3 s and then sets off into a vehicle that stands."""
+    y = -7.75
+    ego = Drive(way=straight((970.0, y), (1029.0, y)), speeds=((0.0, 0.0), (3.0, 0.0), (6.0, 6.0)))
+    case = Case(
+        name="ego-sets-off-into-what-stands",
+        happens="The ego stands, sets off, and hits the vehicle that stands before it.",
+        expected=AT_FAULT,
+        source="UN R157: a careful driver does not set off towards what stands in the way",
+        town="arterial",
+        egos=(Ego(drive=ego, to=(1029.0, y)),),
+        others=(Parked(at=(970.0 + 4.8 + gap, y), start_time=appears),),
+    )
+    document = case.document()
+    (verdict,) = Collision().judge(RunView(record(document), town(case.town)))
+    return verdict
+
+
+def test_an_ego_that_sets_off_into_what_stands_in_its_way() -> None:
+    verdict = set_off(gap=3.0)
+    evidence = verdict.evidence["avoidability"]
+    assert verdict.at_fault
+    # There was no time left from the first motion on, but it need not have moved.
+    assert evidence["latest_before"] > evidence["risk_perceived_before"]
+    assert evidence["own_breach"] == "setting_off"
+    assert accountability(verdict) is Accountability.AVOIDABLE
+
+
+@pytest.mark.parametrize("where", [{"gap": 3.0, "appears": 3.5}, {"gap": 25.0}])
+def test_an_ego_that_set_off_before_there_was_a_danger(where: dict[str, float]) -> None:
+    assert set_off(**where).evidence["avoidability"]["own_breach"] != "setting_off"
