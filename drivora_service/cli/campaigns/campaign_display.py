@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rich.console import Console, Group
@@ -15,6 +16,19 @@ from drivora_service.cli.terminal.output import number
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.campaigns import Campaign
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Repeated:
+    """The failing simulations of a campaign that were run again, each once.
+
+    Attributes:
+        confirmed: Those that the second run confirmed.
+        flaky: Those that it did not.
+    """
+
+    confirmed: int = 0
+    flaky: int = 0
 
 
 class CampaignDisplay:
@@ -35,12 +49,12 @@ class CampaignDisplay:
         """Returns the bar and the line."""
         return Group(self._bar, self._found)
 
-    def show(self, campaign: Campaign) -> None:
-        """Shows the progress of a campaign."""
+    def show(self, campaign: Campaign, repeated: Repeated) -> None:
+        """Shows the progress of a campaign, and how many of its failures were repeated."""
         left = "" if campaign.left_s is None else f", {duration(campaign.left_s)} left"
         pace = "" if campaign.rate is None else f"{campaign.rate:.1f}/s{left}"
         self._bar.update(self._task, completed=campaign.simulations, pace=pace)
-        self._found.plain = _format_findings(campaign)
+        self._found.plain = _format_findings(campaign, repeated)
 
 
 @contextmanager
@@ -56,7 +70,7 @@ def campaign_display(budget: int) -> Iterator[CampaignDisplay]:
             console.line()
 
 
-def _format_findings(campaign: Campaign) -> str:
+def _format_findings(campaign: Campaign, repeated: Repeated) -> str:
     counts = campaign.counts
     parts = [
         f"failing {counts.violating}: {len(campaign.kinds)} kinds, {counts.at_fault} at fault, "
@@ -67,10 +81,8 @@ def _format_findings(campaign: Campaign) -> str:
         parts.append(f"without a result {counts.failed}")
     for name, best in list(campaign.best.items())[:1]:
         parts.append(f"best {name.replace('_', ' ')} {number(best.value, 3)}")
-    confirmed = sum(kind.confirmed for kind in campaign.kinds)
-    flaky = sum(kind.flaky for kind in campaign.kinds)
-    if confirmed or flaky:
-        parts.append(f"confirmed {confirmed}, flaky {flaky}")
+    if repeated.confirmed or repeated.flaky:
+        parts.append(f"confirmed {repeated.confirmed}, flaky {repeated.flaky}")
     return " · ".join(parts)
 
 
