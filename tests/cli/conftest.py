@@ -7,9 +7,11 @@ shell starts them.
 
 from __future__ import annotations
 
+import importlib
 import itertools
 import json
 import os
+import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -66,3 +68,27 @@ def scenario_file(tmp_path: Path) -> Path:
     path = tmp_path / "crossing.json"
     path.write_text(json.dumps(SCENARIO))
     return path
+
+
+def install_agents(site: Path, *, version: str) -> None:
+    """Makes the unsteady agents a distribution of a version that Python finds on its path."""
+    shutil.rmtree(site, ignore_errors=True)
+    info = site / f"unsteady_agents-{version}.dist-info"
+    info.mkdir(parents=True)
+    shutil.copy(Path(__file__).with_name("unsteady_agents.py"), site)
+    (info / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: unsteady-agents\nVersion: {version}\n"
+    )
+    names = ("dicing", "failing", "remembering")
+    lines = [f"{name} = unsteady_agents:{name}" for name in names]
+    (info / "entry_points.txt").write_text("\n".join(["[drivora_service.agents]", *lines, ""]))
+    importlib.invalidate_caches()
+
+
+@pytest.fixture
+def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of the installed unsteady agents."""
+    folder = tmp_path / "site"
+    install_agents(folder, version="1.0")
+    monkeypatch.syspath_prepend(str(folder))
+    return folder

@@ -10,8 +10,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from drivora_service.api.documentation.recorded_examples import SCENARIO
-from tests.cli.conftest import Drivora
-from tests.cli.runs.test_replay_command import assert_as_pandas_finds_it, install_agents
+from tests.cli.conftest import Drivora, install_agents
+from tests.cli.runs.test_replay_command import assert_as_pandas_finds_it
 from tests.forked_service import forked_service
 
 SEARCHES = (("random", "sumo-krauss"), ("avfuzzer", "idm"))

@@ -19,7 +19,7 @@ import pytest
 
 from drivora_service.api.documentation.recorded_examples import SCENARIO
 from tests.cli import unsteady_agents
-from tests.cli.conftest import Drivora, Ended
+from tests.cli.conftest import Drivora, Ended, install_agents
 
 STEP_S = 0.05
 SHORT = {**SCENARIO, "max_sim_time": 5.0}
@@ -34,31 +34,6 @@ WITH_OTHERS = {
         }
     ],
 }
-
-
-def install_agents(site: Path, *, version: str) -> None:
-    """Makes the unsteady agents a distribution of a version that Python finds on its path."""
-    shutil.rmtree(site, ignore_errors=True)
-    info = site / f"unsteady_agents-{version}.dist-info"
-    info.mkdir(parents=True)
-    shutil.copy(Path(__file__).parents[1] / "unsteady_agents.py", site)
-    (info / "METADATA").write_text(
-        f"Metadata-Version: 2.1\nName: unsteady-agents\nVersion: {version}\n"
-    )
-    names = ("dicing", "failing", "remembering")
-    lines = [f"{name} = unsteady_agents:{name}" for name in names]
-    (info / "entry_points.txt").write_text("\n".join(["[drivora_service.agents]", *lines, ""]))
-    importlib.invalidate_caches()
-
-
-@pytest.fixture
-def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of the installed unsteady agents."""
-    folder = tmp_path / "site"
-    install_agents(folder, version="1.0")
-    monkeypatch.syspath_prepend(str(folder))
-    return folder
-
 
 Driven = Callable[..., dict[str, Any]]
 
