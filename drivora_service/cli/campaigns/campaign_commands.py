@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -34,7 +34,7 @@ from drivora_service.cli.terminal.output import (
 from drivora_service.errors import ConfigurationError, InvalidDocument, ServiceError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator
 
     from drivora_service.api.schemas.campaigns import Campaign
     from drivora_service.cli.runs.run_gates import Gate
@@ -67,7 +67,9 @@ DetachOption = Annotated[
 GateOption = Annotated[
     bool,
     typer.Option(
-        "--gate", help="Exit with 1 if any failure was found that an ego is accountable for."
+        "--gate",
+        help="Exit with 1 if any failure was found: a violation that the campaign's counts and "
+        "oracles count, or a failure of the ADS itself.",
     ),
 ]
 
@@ -107,10 +109,11 @@ def run(
         import json
 
         from drivora_service.cli.campaigns.campaign_files import read_campaign_file
+        from drivora_service.cli.campaigns.campaign_gates import gate_of_document
 
         with _exit_on_problems(file):
             document = read_campaign_file(file)
-            chosen = _gate_of_document(client, document, gate_oracle or (), is_wanted=gate)
+            chosen = gate_of_document(client, document, gate_oracle or (), is_wanted=gate)
             campaign = client.post_campaign(json.dumps(document))
         for remark in campaign.notes:
             note(f"note: {remark}")
@@ -155,8 +158,10 @@ def resume(
         ray_address=ray_address,
         on_error=say_error,
     ) as client:
+        from drivora_service.cli.campaigns.campaign_gates import gate_of_document
+
         document = client.campaign(campaign_id).document
-        chosen = _gate_of_document(client, document, gate_oracle or (), is_wanted=gate)
+        chosen = gate_of_document(client, document, gate_oracle or (), is_wanted=gate)
         campaign = client.resume_campaign(campaign_id)
         _finish(
             client,
@@ -328,46 +333,10 @@ def _finish(
     if campaign.state is not CampaignState.FINISHED:
         raise typer.Exit(ExitCode.NOT_DONE)
     if gate is not None:
-        from drivora_service.cli.runs.run_gates import group_by_evaluation
+        from drivora_service.cli.campaigns.campaign_gates import judge_campaign
+        from drivora_service.cli.runs.run_gates import print_answer
 
-        failures = ((one.evaluation, one.verdict) for one in client.failures(campaign.id))
-        answer = gate.judge(group_by_evaluation(failures))
-        note(str(answer))
-        if answer.fails:
-            raise typer.Exit(ExitCode.GATE_FAILED)
-
-
-def _gate_of_document(
-    client: Client, document: Mapping[str, Any], wanted: Sequence[str], *, is_wanted: bool
-) -> Gate | None:
-    """Reads the gate of a campaign: of what it counts as failures.
-
-    It is read before the campaign is posted, so that a wrong one stores nothing.
-    """
-    if not (wanted or is_wanted):
-        return None
-    from drivora_service.cli.runs.run_gates import Gate, read_gate
-    from drivora_service.oracles.verdicts.failure_definition import Counted, definition_of
-
-    counts, named = document.get("counts"), document.get("oracles")
-    if (counts is not None and counts not in list(Counted)) or not isinstance(
-        named, list | tuple | None
-    ):
-        # It is refused with the document.
-        return Gate()
-    if not wanted:
-        return Gate(definition=definition_of(document))
-    known = (
-        [oracle.name for oracle in client.oracles().items]
-        if named is None
-        else [str(one) for one in named]
-    )
-    try:
-        counted = None if counts is None else Counted(counts)
-        return read_gate(wanted, known, counted_by="the campaign", counts=counted)
-    except ConfigurationError as error:
-        fail(str(error))
-        raise typer.Exit(ExitCode.USAGE_ERROR) from error
+        print_answer(judge_campaign(client, campaign, gate))
 
 
 def _show(client: Client, campaign: Campaign, *, as_json: bool) -> None:

@@ -13,9 +13,9 @@ from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import (
     AgentParameterOption,
-    CountsOption,
     DataDirOption,
     GateOracleOption,
+    PostedCountsOption,
     ServerOption,
     WorkersOption,
     location,
@@ -69,17 +69,19 @@ def run(
         bool,
         typer.Option(
             "--gate",
-            help="Exit with 1 if any oracle (observations left out) was violated in a way that an "
-            "ego is accountable for.",
+            help="Exit with 1 if any run has a failure: a violation that --counts counts, "
+            "observations left out, or a failure of the ADS itself.",
         ),
     ] = False,
     gate_oracle: GateOracleOption = None,
-    counts: CountsOption = None,
+    counts: PostedCountsOption = None,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Runs scenarios and judges them; exits with 3 if any could not be run to its end.
+
+    With --gate, a run in which the ADS itself failed is a failing run, and the exit code is 1.
 
     With --json, one scenario prints one object: the run as the API shows it, with `scenario`,
     `trace` and `notes`; several print {"batch_id": …, "runs": […]}.
@@ -128,13 +130,20 @@ def run(
         run_output.print_results(done)
         if batch_id:
             note(f"batch {batch_id}")
-    if any(result.status is not RunStatus.FINISHED for result in done):
+    unfinished = [result for result in done if result.status is not RunStatus.FINISHED]
+    agent_failed = [one for one in unfinished if one.status is RunStatus.AGENT_FAILED]
+    # A gate decides on runs that say something about the ADS only.
+    if unfinished and (chosen is None or len(agent_failed) < len(unfinished)):
         raise typer.Exit(ExitCode.NOT_DONE)
     if chosen is not None:
-        answer = chosen.judge(result.violations for result in done)
-        note(str(answer))
-        if answer.fails:
-            raise typer.Exit(ExitCode.GATE_FAILED)
+        from drivora_service.cli.runs.run_gates import print_answer
+
+        print_answer(
+            chosen.judge(
+                (one.violations for one in done if one.status is RunStatus.FINISHED),
+                agent_failed=[one.scenario for one in agent_failed],
+            )
+        )
 
 
 def _definition(gate: Gate | None, counted: Counted | None) -> FailureDefinition:

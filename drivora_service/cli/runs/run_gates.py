@@ -7,6 +7,10 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import typer
+
+from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.terminal.output import note
 from drivora_service.errors import ConfigurationError
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability, accountability
@@ -15,9 +19,13 @@ from drivora_service.oracles.verdicts.failure_definition import (
     Counted,
     FailureDefinition,
     requested_definition,
+    state_definition,
 )
+from drivora_service.runs.run_report import RunStatus
 
 _RUNS = re.compile(r"[0-9]{1,9}")
+_MOST_NAMED = 20
+"""Runs in which the ADS failed that are named."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,12 +33,15 @@ class GateAnswer:
     """The result of a gate.
 
     Attributes:
-        fails: Whether some oracle was violated in more runs than the gate allows.
-        failing_runs: Runs in which an oracle of the gate was violated.
-        violations: How often.
-        by_oracle: Failing runs by oracle.
+        fails: Whether some oracle was violated in more runs than the gate allows, or the ADS itself
+            failed in a run.
+        failing_runs: Runs in which an oracle of the gate was violated, or the ADS itself failed.
+        violations: How often oracles of the gate were violated.
+        by_oracle: Failing runs by oracle, and by ``agent_failed``.
         passed_over: Violations that do not count, for the accountability of the ego.
         preventable: Those of them at the fault of others that a careful driver avoids.
+        agent_failed: Names of the runs in which the ADS itself failed.
+        definition: What counts, in words.
     """
 
     fails: bool
@@ -39,6 +50,8 @@ class GateAnswer:
     by_oracle: Mapping[str, int]
     passed_over: int
     preventable: int
+    agent_failed: tuple[str, ...]
+    definition: str
 
     def __str__(self) -> str:
         """Returns it in one line."""
@@ -54,6 +67,15 @@ class GateAnswer:
                 text += f" ({self.preventable} not at fault, but avoidable)"
         return text
 
+    def lines(self) -> tuple[str, ...]:
+        """Returns it as it is printed: also the runs in which the ADS failed, and what counts."""
+        lines = [str(self)]
+        if self.agent_failed:
+            names = ", ".join(self.agent_failed[:_MOST_NAMED])
+            more = len(self.agent_failed) - _MOST_NAMED
+            lines.append(f"the ADS failed in {names}{f' and {more} more' if more > 0 else ''}")
+        return (*lines, f"Failures are {self.definition}")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gate:
@@ -67,14 +89,21 @@ class Gate:
     definition: FailureDefinition = DEFAULT_DEFINITION
     allowed: Mapping[str, int] = field(default_factory=dict)
 
-    def judge(self, runs: Iterable[Collection[Verdict]]) -> GateAnswer:
+    def judge(
+        self, runs: Iterable[Collection[Verdict]], *, agent_failed: Sequence[str] = ()
+    ) -> GateAnswer:
         """Counts the runs with failures.
 
         Args:
-            runs: The violations of each run.
+            runs: The violations of each run that was judged.
+            agent_failed: Names of the runs in which the ADS itself failed. Each is a failing run,
+                whichever oracles count.
         """
         by_oracle: Counter[str] = Counter()
-        failing = violations = passed_over = preventable = 0
+        if agent_failed:
+            by_oracle[RunStatus.AGENT_FAILED.value] = len(agent_failed)
+        failing = len(agent_failed)
+        violations = passed_over = preventable = 0
         for violated in runs:
             looked_at = [one for one in violated if self.definition.looks_at(one)]
             counted = [one for one in looked_at if self.definition.is_failure(one)]
@@ -94,6 +123,8 @@ class Gate:
             by_oracle=dict(by_oracle),
             passed_over=passed_over,
             preventable=preventable,
+            agent_failed=tuple(agent_failed),
+            definition=state_definition((self.definition,)).words,
         )
 
 
@@ -130,6 +161,14 @@ def read_gate(
         allowed[name] = int(runs or 0)
     definition = requested_definition(counts, allowed) or DEFAULT_DEFINITION
     return Gate(definition=definition, allowed=allowed)
+
+
+def print_answer(answer: GateAnswer) -> None:
+    """Prints the result of a gate on standard error, and exits with 1 if it fails."""
+    for line in answer.lines():
+        note(line)
+    if answer.fails:
+        raise typer.Exit(ExitCode.GATE_FAILED)
 
 
 def group_by_evaluation(violated: Iterable[tuple[int, Verdict]]) -> list[list[Verdict]]:

@@ -12,6 +12,11 @@ import typer
 if TYPE_CHECKING:
     from drivora_service.oracles.verdicts.failure_definition import Counted
 
+_COUNTS = (
+    "Violations that are failures: accountable, preventable (also those of others that a careful "
+    "driver avoids), at_fault (also unavoidable ones), possibly_at_fault, or any"
+)
+
 ServerOption = Annotated[
     str,
     typer.Option(
@@ -58,9 +63,15 @@ CountsOption = Annotated[
     typer.Option(
         "--counts",
         metavar="WORD",
-        help="Violations that are failures: accountable, preventable (also those of others that a "
-        "careful driver avoids), at_fault (also unavoidable ones), possibly_at_fault, or any "
-        "[default: as defined where the runs were posted].",
+        help=f"{_COUNTS} [default: as defined where the runs were posted].",
+    ),
+]
+PostedCountsOption = Annotated[
+    str | None,
+    typer.Option(
+        "--counts",
+        metavar="WORD",
+        help=f"{_COUNTS} [default: accountable].",
     ),
 ]
 GateOracleOption = Annotated[

@@ -47,6 +47,26 @@ def test_a_run_with_seven_violations_is_one_failing_run() -> None:
     )
 
 
+def test_a_run_that_the_ads_itself_ended_fails_whichever_oracles_count() -> None:
+    names = [f"run-{number}" for number in range(23)]
+    for gate in (Gate(), read_gate(["collision=30"], ORACLES, counted_by="Drivora")):
+        answer = gate.judge([[]], agent_failed=names)
+        assert (answer.fails, answer.failing_runs, answer.violations) == (True, 23, 0)
+        said, named, _definition = answer.lines()
+        assert said == "gate failed: 23 failing runs, 0 violations (agent_failed in 23)"
+        assert named.startswith("the ADS failed in run-0, run-1, ")
+        assert named.endswith(", run-19 and 3 more")
+
+
+def test_a_gate_says_what_it_counts() -> None:
+    gate = read_gate(["red_light"], ORACLES, counted_by="Drivora", counts=Counted.AT_FAULT)
+    assert gate.judge([]).lines() == (
+        "gate passed: 0 failing runs, 0 violations",
+        "Failures are violations that an ego is accountable for, or at fault without a way out "
+        "(at_fault), of red light",
+    )
+
+
 def test_observations_fail_only_a_gate_that_names_them() -> None:
     runs = [[violation("discomfort", Accountability.NOT_JUDGED, seen=True)]]
     assert not Gate().judge(runs).fails
