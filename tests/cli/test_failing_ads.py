@@ -69,12 +69,25 @@ def test_the_gate_of_a_campaign_counts_simulations_in_which_the_ads_raised(
     assert ended.code == 1
     words = "Failures are violations that an ego is accountable for, or at fault without a way out"
     assert "2 runs without a result" in ended.out
+    assert words in ended.out
     (listed,) = drivora("campaign", "list", "--json").json()
     said, named, defined = ended.err.splitlines()[-3:]
     assert said == "gate failed: 2 failing runs, 0 violations (agent_failed in 2)"
     assert named == f"the ADS failed in {listed['id']}-0, {listed['id']}-1"
     assert defined.startswith(words)
     assert drivora("runs", "show", f"{listed['id']}-0", "--json").json()["cause"] == "agent_raised"
+
+    # Campaigns of another definition are told apart in the list.
+    other = {**CAMPAIGN, "name": "other", "oracles": ["collision"]}
+    del other["counts"]
+    file.write_text(json.dumps(other))
+    assert drivora("campaign", "run", file).code == 0
+    header, newer, older = (
+        line for line in drivora("campaign", "list").out.splitlines() if "  " in line.strip()
+    )
+    assert header.split()[-1] == "counts"
+    assert newer.rstrip().endswith("accountable, 1 oracle")
+    assert older.rstrip().endswith("at_fault")
 
 
 @pytest.mark.parametrize(

@@ -184,14 +184,15 @@ def list_campaigns(
 ) -> None:
     """Lists campaigns, newest first."""
     with open_client(server, data_dir) as client:
-        campaigns = tuple(client.campaigns(limit=limit))
-    from drivora_service.cli.campaigns.campaign_output import print_campaigns
-    from drivora_service.store.campaigns.campaign_records import CampaignSummary
+        from drivora_service.cli.campaigns.campaign_output import print_campaigns
+        from drivora_service.store.campaigns.campaign_records import CampaignSummary
 
-    if as_json:
-        print_shape(tuple[CampaignSummary, ...], campaigns)
-    else:
-        print_campaigns(campaigns)
+        campaigns = tuple(client.campaigns(limit=limit))
+        if as_json:
+            print_shape(tuple[CampaignSummary, ...], campaigns)
+        else:
+            # Lists leave out what a campaign counts.
+            print_campaigns([client.campaign(one.id) for one in campaigns])
 
 
 @app.command()

@@ -8,10 +8,10 @@ from typing import Any
 from drivora_service.api.schemas.campaigns import Campaign, Evaluation, Failure
 from drivora_service.cli.terminal.output import number, print_table
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountability
+from drivora_service.oracles.verdicts.failure_definition import StatedDefinition
 from drivora_service.shapes import adapter
 from drivora_service.store.campaigns.campaign_records import (
     CampaignCounts,
-    CampaignSummary,
     EvaluationSummary,
 )
 
@@ -26,11 +26,11 @@ def campaign_content(campaign: Campaign, failures: Sequence[Failure]) -> dict[st
     return {**told, "failures": listed}
 
 
-def print_campaigns(campaigns: Sequence[CampaignSummary]) -> None:
+def print_campaigns(campaigns: Sequence[Campaign]) -> None:
     """Prints a row a campaign."""
     print_table(
         "",
-        ("id", "name", "state", "tester", "runs", "failing"),
+        ("id", "name", "state", "tester", "runs", "failing", "counts"),
         (
             (
                 campaign.id,
@@ -39,6 +39,7 @@ def print_campaigns(campaigns: Sequence[CampaignSummary]) -> None:
                 campaign.tester,
                 f"{campaign.simulations}/{campaign.budget}",
                 str(campaign.counts.violating),
+                _counts(campaign.definition),
             )
             for campaign in campaigns
         ),
@@ -59,6 +60,7 @@ def print_campaign(campaign: Campaign) -> None:
         f"{counts.failed} runs without a result"
     )
     print(f"  {counts.violating} failing ({_accountable(counts)})")
+    print(f"  Failures are {campaign.definition.words}")
     if campaign.seeds:
         _print_seeds(campaign)
     if campaign.kinds:
@@ -122,6 +124,13 @@ def _print_seeds(campaign: Campaign) -> None:
         ),
         cut=("name",),
     )
+
+
+def _counts(definition: StatedDefinition) -> str:
+    """Returns what counts in a word, and how many oracles if not all but observations do."""
+    oracles = definition.oracles
+    named = "" if oracles is None else f", {len(oracles)} oracle{'' if len(oracles) == 1 else 's'}"
+    return f"{definition.counts or '-'}{named}"
 
 
 def _accountable(counts: CampaignCounts) -> str:
