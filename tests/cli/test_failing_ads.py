@@ -104,4 +104,5 @@ def test_help_names_the_definition_that_a_gate_obeys(
     printed = drivora(*command.split(), "--help", COLUMNS="200").out
     words = " ".join(printed.replace("│", " ").split())
     assert said in words
+    assert "a failure of the ADS itself always does" in words
     assert unsaid not in words

@@ -80,7 +80,8 @@ GateOracleOption = Annotated[
         "--gate-oracle",
         metavar="ORACLE[=RUNS]",
         help="Exit with 1 if ORACLE was violated in more than RUNS runs [default: 0]; may be "
-        "repeated; oracles that are not named do not count then.",
+        "repeated; oracles that are not named do not count then, and a failure of the ADS itself "
+        "always does.",
     ),
 ]
 WorkersOption = Annotated[
