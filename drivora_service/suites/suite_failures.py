@@ -114,6 +114,7 @@ class Found:
         unfinished: Runs that were not judged for another reason.
         preventable: Judged runs with a violation that is not the fault of the ego, but avoidable,
             whether it counts or not.
+        definitions: What counts as a failure in each scenario.
     """
 
     failures: Mapping[FailureKey, Failure]
@@ -121,6 +122,7 @@ class Found:
     judged: Mapping[str, int]
     unfinished: tuple[SuiteRun, ...]
     preventable: int
+    definitions: Mapping[str, FailureDefinition]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,12 +155,13 @@ def find_failures(
     judged: dict[str, int] = {}
     unfinished: list[SuiteRun] = []
     preventable = 0
+    definitions: dict[str, FailureDefinition] = {}
     for name, runs in results.of_scenario().items():
         scenario = scenarios[name]
         judgeable = [run for run in runs if is_judged(run)]
         unfinished += [run for run in runs if not is_judged(run)]
         judged[name] = len(judgeable)
-        definition = scenario.definition(gate)
+        definition = definitions[name] = scenario.definition(gate)
         preventable += sum(definition.is_preventable(run.violations) for run in judgeable)
         events = [(run, _first_of_each(_events(run, scenario, definition))) for run in judgeable]
         known += _find_known_occurrences(scenario, events)
@@ -174,6 +177,7 @@ def find_failures(
         judged=judged,
         unfinished=tuple(unfinished),
         preventable=preventable,
+        definitions=definitions,
     )
 
 

@@ -13,8 +13,8 @@ from xml.etree import ElementTree
 import pytest
 from junitparser import JUnitXml, TestCase
 
-from drivora_service.cli.suites.suite_reports import report_content
-from drivora_service.oracles.verdicts.failure_definition import KnownFailure
+from drivora_service.cli.suites.suite_reports import print_report, report_content
+from drivora_service.oracles.verdicts.failure_definition import Counted, KnownFailure
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.suites.suite_records import ScenarioState
 from drivora_service.suites.gate.baseline import make_baseline
@@ -117,6 +117,8 @@ def test_junit_has_failures_and_errors_where_the_gate_fails() -> None:
         "agent": "idm",
         "baseline": "baseline.json",
         "baseline_of": "idm · reaction_time 1.0; drivora 1.2",
+        "definition": "Failures are violations that an ego is accountable for (accountable), of "
+        "all oracles but observations",
     }
 
 
@@ -224,6 +226,39 @@ def test_the_test_of_each_p_is_named_beside_it() -> None:
     assert MANTEL in report_html(made)
     for text in (*(one.change for one in made.decision.failures), *made.decision.reasons):
         assert not re.search(r"\(p [\d.e-]+\)", text)
+
+
+def test_every_report_says_what_a_failure_is(capsys: pytest.CaptureFixture[str]) -> None:
+    words = "Failures are violations that an ego is accountable for (accountable), of all oracles"
+    made = report()
+    print_report(made)
+    for text in (
+        " ".join(capsys.readouterr().out.split()),
+        summary_markdown(made),
+        report_html(made),
+        junit_xml(made).decode(),
+    ):
+        assert text.count(words) == 1
+    assert decision_of(made).definition == made.decision.definition
+    assert report_content(made)["definition"] == {
+        "words": "violations that an ego is accountable for (accountable), of all oracles but "
+        "observations",
+        "origin": "default",
+        "counts": "accountable",
+        "oracles": None,
+        "definitions": 1,
+    }
+
+
+def test_reports_say_that_scenarios_have_different_definitions() -> None:
+    results = results_of([*counted("a", 1, 1), *counted("b", 1, 1)])
+    scenarios = {**scenarios_of(results), "b": scenarios_of(results, counts=Counted.ANY)["b"]}
+    decision = decide(results, scenarios, GateDocument(), None)
+    assert decision.definition_sentence == (
+        "Failures are, by scenario (2 definitions): violations that an ego is accountable for "
+        "(accountable), of all oracles but observations; or violations of any fault (any), of all "
+        "oracles but observations"
+    )
 
 
 def test_the_p_of_all_scenarios_says_what_it_compares() -> None:

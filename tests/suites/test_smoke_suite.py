@@ -17,7 +17,7 @@ from drivora_service.cli.suites.suite_files import (
 from drivora_service.errors import ConfigurationError
 from drivora_service.networks.catalogue import shipped_networks
 from drivora_service.oracles.catalogue import OracleCatalogue
-from drivora_service.suites.gate.baseline import read_baseline
+from drivora_service.suites.gate.baseline_files import read_baseline
 from drivora_service.suites.suite import Suite
 
 FOLDER = shipped_suites() / "smoke"

@@ -13,10 +13,9 @@ from drivora_service.runs.run_report import RunStatus
 from drivora_service.suites.gate.baseline import (
     Baseline,
     baseline_changes,
-    baseline_text,
-    read_baseline,
 )
 from drivora_service.suites.gate.baseline_accepting import update_baseline
+from drivora_service.suites.gate.baseline_files import baseline_text, read_baseline
 from drivora_service.suites.gate.gate_documents import GateDocument
 from drivora_service.suites.suite import Suite
 from drivora_service.suites.suite_checks import check_baseline, check_results, check_shards

@@ -147,7 +147,9 @@ def run(
         from drivora_service.cli.suites.suite_files import read_gate_path, read_suite_path
         from drivora_service.cli.suites.suite_reports import failed_names, read_optional_baseline
         from drivora_service.cli.suites.suite_running import SuiteOrder, run_suite
+        from drivora_service.suites.gate.baseline_definitions import check_definitions
         from drivora_service.suites.scenario_selection import choose
+        from drivora_service.suites.suite_results import scenario_hash
 
         known = _names_of(client)
         read = read_suite_path(suite, known)
@@ -159,6 +161,9 @@ def run(
             names=failed_before(suite, read.by_name) if last_failed else None,
             shard=part,
         )
+        if accepted is not None:
+            hashes = {one.name: scenario_hash(one.document) for one in chosen}
+            check_definitions(accepted, hashes, read.by_name, gate.definition)
         order = SuiteOrder(
             agent=agent,
             agent_parameters=tuple(agent_parameter or ()),
@@ -248,10 +253,9 @@ def accept(
     from drivora_service.suites.gate.baseline import (
         BaselineChange,
         baseline_changes,
-        baseline_text,
-        read_baseline,
     )
     from drivora_service.suites.gate.baseline_accepting import update_baseline
+    from drivora_service.suites.gate.baseline_files import baseline_text, read_baseline
     from drivora_service.suites.suite_checks import check_judged, check_results
     from drivora_service.suites.suite_results import merge_results, read_results
 

@@ -10,12 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drivora_service.cli.terminal.out_option import check_file, convert_write_errors, write_result
-from drivora_service.cli.terminal.output import note, print_table
+from drivora_service.cli.terminal.output import note, print_prose, print_table
 from drivora_service.cli.terminal.private_files import give_to_user
 from drivora_service.errors import DrivoraError
+from drivora_service.oracles.verdicts.failure_definition import StatedDefinition
 from drivora_service.shapes import to_json
 from drivora_service.store.suites.suite_records import ScenarioState
-from drivora_service.suites.gate.baseline import Baseline, read_baseline
+from drivora_service.suites.gate.baseline import Baseline
+from drivora_service.suites.gate.baseline_files import read_baseline
 from drivora_service.suites.gate.gate_decision import OCCURRENCE_TEST, Decision, OverallAnswer
 from drivora_service.suites.gate.severity_changes import SEVERITY_TEST, SeverityChange
 from drivora_service.suites.reports.suite_report import STATES_IN_WORDS, SuiteReport, make_report
@@ -174,6 +176,7 @@ def print_report(report: SuiteReport) -> None:
             print(f"{row.name}: {run.status.replace('_', ' ')}: {run.cause}: {run.message}")
     if decision.not_in_baseline:
         print(f"Not in the baseline, or changed since: {', '.join(decision.not_in_baseline)}")
+    print_prose(f"{decision.definition_sentence}.")
     for reason in decision.reasons:
         print(f"- {reason}")
     print(f"{decision.sentence}.")
@@ -204,6 +207,7 @@ def report_content(report: SuiteReport) -> dict[str, Any]:
         "sentence": decision.sentence,
         "preventable_runs": decision.preventable_runs,
         "reasons": list(decision.reasons),
+        "definition": json.loads(to_json(StatedDefinition, decision.definition)),
         "counts": {str(which): count for which, count in decision.counts.items()},
         "not_in_baseline": list(decision.not_in_baseline),
         "not_run": list(decision.not_run),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 
+from drivora_service.oracles.verdicts.failure_definition import StatedDefinition
 from drivora_service.shapes import Shape
 
 
@@ -82,6 +83,7 @@ class SuiteDecision(Shape):
         pass_rate: Share of scenarios that pass, with the interval of Wilson (1927).
         score: Mean driving score of the scenarios, with Student's interval; null: not measurable.
         versions: Versions of the software that took part, by name.
+        definition: What counts as a failure; null if it was not recorded.
     """
 
     suite: str
@@ -100,6 +102,7 @@ class SuiteDecision(Shape):
     pass_rate: SuiteEstimate
     score: SuiteEstimate | None
     versions: Mapping[str, str]
+    definition: StatedDefinition | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

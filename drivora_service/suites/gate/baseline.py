@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Literal
 
-from pydantic import ValidationError
-
-from drivora_service.errors import ConfigurationError
 from drivora_service.oracles.verdict import Severity
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, Accountability
+from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.oracles.verdicts.violation_magnitude import Magnitude, class_magnitude
-from drivora_service.shapes import Shape, adapter, to_json
+from drivora_service.shapes import Shape
 from drivora_service.suites.gate.severity_changes import compare_magnitudes
 from drivora_service.suites.suite_failures import Failure, FailureKey, Found
 from drivora_service.suites.suite_results import SuiteResults, SuiteRun
@@ -60,12 +56,24 @@ class BaselineScenario(Shape):
         seeds: Seeds of its judged runs.
         failures: What failed in them, sorted.
         metrics: Means of metrics over these runs, by name.
+        counts: Violations that were failures; null: as the baseline says, and of versions that did
+            not record it, not known.
+        oracles: The only oracles that counted; null: all but observations, or likewise.
     """
 
     sha256: str
     seeds: tuple[int, ...]
     failures: tuple[BaselineFailure, ...] = ()
     metrics: Mapping[str, float] = field(default_factory=dict)
+    counts: Counted | None = None
+    oracles: tuple[str, ...] | None = None
+
+    @property
+    def definition(self) -> FailureDefinition | None:
+        """What counted as a failure; ``None``: that is not known."""
+        if self.counts is None:
+            return None
+        return FailureDefinition(counts=self.counts, oracles=self.oracles)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,6 +88,9 @@ class Baseline(Shape):
         configuration: The ADSs with the parameters that differ from their defaults; empty if the
             scenarios have different ones, and in files of versions that did not record it.
         versions: Versions of the software that took part, by name.
+        counts: In a file: violations that were failures in scenarios that do not say it; null: that
+            is not known of them.
+        oracles: In a file: the only oracles that counted in these; null: all but observations.
         scenarios: By name.
     """
 
@@ -89,6 +100,8 @@ class Baseline(Shape):
     agent_parameters: tuple[str, ...] = ()
     configuration: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
+    counts: Counted | None = None
+    oracles: tuple[str, ...] | None = None
     scenarios: Mapping[str, BaselineScenario]
 
     @property
@@ -115,44 +128,6 @@ class BaselineChange:
     what: str
     before: str
     after: str
-
-
-def read_baseline(path: Path) -> Baseline:
-    """Reads a baseline file.
-
-    Raises:
-        ConfigurationError: It cannot be read, or holds something else.
-    """
-    try:
-        baseline: Baseline = adapter(Baseline).validate_json(path.read_bytes())
-    except OSError as error:
-        raise ConfigurationError(
-            f"{path} cannot be read: {error.strerror}; `drivora suite baseline` writes one"
-        ) from error
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = "/".join(map(str, first["loc"])) or "the whole"
-        raise ConfigurationError(f"{path} is no baseline: {place}: {first['msg']}") from error
-    for name, scenario in baseline.scenarios.items():
-        for failure in scenario.failures:
-            if not 1 <= failure.runs <= len(scenario.seeds):
-                raise ConfigurationError(
-                    f"{path} is no baseline: {name}: {failure.oracle} occurs in {failure.runs} of "
-                    f"{len(scenario.seeds)} runs"
-                )
-            for magnitude in failure.magnitudes:
-                if len(magnitude.values) != failure.runs:
-                    raise ConfigurationError(
-                        f"{path} is no baseline: {name}: {failure.oracle} occurs in {failure.runs} "
-                        f"runs, and {magnitude.name} has {len(magnitude.values)} values"
-                    )
-    return baseline
-
-
-def baseline_text(baseline: Baseline) -> str:
-    """Writes a baseline as JSON that is good to compare line by line."""
-    content = json.loads(to_json(Baseline, baseline))
-    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
 def make_baseline(results: SuiteResults, found: Found, *, metrics: Collection[str]) -> Baseline:
@@ -188,6 +163,8 @@ def make_baseline(results: SuiteResults, found: Found, *, metrics: Collection[st
                 if key.scenario == name
             ),
             metrics=_means(runs, metrics),
+            counts=found.definitions[name].counts,
+            oracles=found.definitions[name].oracles,
         )
     return Baseline(
         suite=results.suite,
@@ -215,6 +192,13 @@ def baseline_changes(old: Baseline | None, new: Baseline) -> Iterator[BaselineCh
         if before.sha256 != after.sha256:
             yield BaselineChange(
                 scenario=name, what="", before="another scenario", after=_summary(after)
+            )
+        if before.definition is not None and before.definition != after.definition:
+            yield BaselineChange(
+                scenario=name,
+                what="",
+                before=f"counts {before.definition}",
+                after=f"counts {after.definition}",
             )
         yield from _failure_changes(name, before, after)
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from drivora_service.oracles.verdicts.accountability import IN_WORDS
+from drivora_service.oracles.verdicts.failure_definition import StatedDefinition
 from drivora_service.suites.gate.baseline import BaselineFailure
 from drivora_service.suites.gate.failure_classes import IN_ORDER, FailureClass
 from drivora_service.suites.gate.occurrence_statistics import Interval, Occurrences
@@ -169,6 +170,7 @@ class Decision:
         judged_runs: Runs that were judged.
         preventable_runs: Those with a violation that is not the fault of the ego, but avoidable,
             whether it counts or not.
+        definition: What counts as a failure, without what is known of some ADSs.
     """
 
     reasons: tuple[str, ...]
@@ -185,6 +187,14 @@ class Decision:
     failing_scenarios: int
     judged_runs: int
     preventable_runs: int
+    definition: StatedDefinition
+
+    @property
+    def definition_sentence(self) -> str:
+        """What counts as a failure, in one sentence without its full stop."""
+        number = self.definition.definitions
+        by_scenario = f", by scenario ({number} definitions):" if number > 1 else ""
+        return f"Failures are{by_scenario} {self.definition.words}"
 
     @property
     def fails(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from drivora_service.oracles.verdicts.failure_definition import state_definition
 from drivora_service.studies.comparison.sample_statistics import holm
 from drivora_service.suites.gate.baseline import (
     Baseline,
@@ -12,6 +13,11 @@ from drivora_service.suites.gate.baseline import (
     BaselineScenario,
     accepted_failures,
     measured,
+)
+from drivora_service.suites.gate.baseline_definitions import (
+    check_definitions,
+    find_comparable,
+    leave_out_known,
 )
 from drivora_service.suites.gate.failure_classes import IN_ORDER, FailureClass
 from drivora_service.suites.gate.gate_decision import (
@@ -48,11 +54,18 @@ def decide(
         scenarios: Expectations by the name of the scenario.
         gate: What is asked of them.
         baseline: The failures that were accepted; ``None``: every failure is new.
+
+    Raises:
+        ConfigurationError: The baseline counts other failures.
     """
+    if baseline is not None:
+        check_definitions(baseline, results.scenarios, scenarios, gate.definition)
     found = _find_gate_failures(results, scenarios, gate)
     # Confirmations are runs of scenarios that have just failed: they say nothing on the whole.
     chosen = results.without_confirmations()
-    comparable = _comparable(results, baseline)
+    comparable = leave_out_known(
+        find_comparable(baseline, results.scenarios), results, found.definitions
+    )
     overall = (
         None
         if baseline is None
@@ -76,6 +89,7 @@ def decide(
         failing_scenarios=len({key.scenario for key in found.failures}),
         judged_runs=sum(found.judged.values()),
         preventable_runs=found.preventable,
+        definition=state_definition(replace(one, known=()) for one in found.definitions.values()),
     )
     return replace(decision, reasons=tuple(_reasons(decision)))
 
@@ -122,19 +136,6 @@ def to_confirm(decision: Decision, results: SuiteResults, *, times: int) -> tupl
         )
 
     return tuple(dict.fromkeys(one.key.scenario for one in decision.failures if is_open(one)))
-
-
-def _comparable(results: SuiteResults, baseline: Baseline | None) -> dict[str, BaselineScenario]:
-    """Returns what the baseline knows of the scenarios in the versions that were run."""
-    if baseline is None:
-        return {}
-    return {
-        name: baseline.scenarios[name]
-        for name, sha256 in results.scenarios.items()
-        if name in baseline.scenarios
-        and baseline.scenarios[name].sha256 == sha256
-        and baseline.scenarios[name].seeds
-    }
 
 
 def _classify_failures(

@@ -35,6 +35,7 @@ def junit_xml(report: SuiteReport) -> bytes:
         ("shards", " ".join(report.results.shards)),
         ("baseline", report.baseline),
         ("baseline_of", report.baseline_subject),
+        ("definition", report.decision.definition_sentence),
     ):
         if value:
             ElementTree.SubElement(properties, "property", name=name, value=_clean(value))

@@ -22,6 +22,10 @@ def _lines(report: SuiteReport) -> Iterator[str]:
     yield f"## {mark} {escape_markdown(results.suite)}: {escape_markdown(report.subject)}"
     yield ""
     yield f"{escape_markdown(decision.sentence)}."
+    yield ""
+    yield f"{escape_markdown(decision.definition_sentence)}."
+    if decision.reasons:
+        yield ""
     for reason in decision.reasons:
         yield f"- {escape_markdown(reason)}"
     if decision.failures:

@@ -20,10 +20,9 @@ from drivora_service.oracles.verdict import Answer, Severity, Verdict
 from drivora_service.suites.gate.baseline import (
     Baseline,
     baseline_changes,
-    baseline_text,
     make_baseline,
-    read_baseline,
 )
+from drivora_service.suites.gate.baseline_files import baseline_text, read_baseline
 from drivora_service.suites.gate.failure_classes import FailureClass
 from drivora_service.suites.gate.gate_decision import ClassifiedFailure, Decision
 from drivora_service.suites.gate.gate_documents import GateDocument
