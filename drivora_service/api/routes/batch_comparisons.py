@@ -47,7 +47,8 @@ def compare_batches(
         Query(
             max_length=100,
             description="Only violations of this oracle are failures, observations included; may "
-            "be repeated. In place of what was defined, as `counts`.",
+            "be repeated. In place of the oracles that were defined. Without `counts`, that of the "
+            "runs is kept, if all have the same.",
         ),
     ] = None,
     metric: Annotated[
@@ -70,7 +71,11 @@ def compare_batches(
         context.database,
         a,
         b,
-        rules=Rules(definition=requested_definition(counts, oracle or ()), unfinished=unfinished),
+        rules=Rules(
+            definition=None if counts is None else requested_definition(counts, oracle or ()),
+            oracles=tuple(oracle or ()),
+            unfinished=unfinished,
+        ),
         metrics=tuple(metric or ()),
     )
     return json_answer(request, BatchComparison, comparison)

@@ -93,6 +93,8 @@ class FailureComparison(Shape):
         both: Scenarios in which both fail; with several seeds, equally often.
         neither: Scenarios in which neither fails.
         not_measurable: Pairs that are left out, since the oracle was not measurable in a run.
+        not_counted: Pairs that are left out, since the definition of their scenario does not name
+            the oracle.
         runs_a: Runs of A with the failure.
         runs_b: Runs of B with the failure.
         difference: Share of scenarios of `b_only` minus that of `a_only`; less is better for B.
@@ -109,6 +111,7 @@ class FailureComparison(Shape):
     both: int
     neither: int
     not_measurable: int
+    not_counted: int = 0
     runs_a: int
     runs_b: int
     difference: float | None

@@ -105,8 +105,16 @@ def failure_rows(comparison: BatchComparison) -> tuple[FailureComparison, ...]:
 def failure_cells(row: FailureComparison) -> tuple[str, ...]:
     """Writes a row of the table of failures."""
     name = row.oracle.replace("_", " ") or "any"
-    if row.not_measurable:
-        name += f" ({row.not_measurable} not measurable)"
+    left_out = [
+        f"{count} {why}"
+        for count, why in (
+            (row.not_measurable, "not measurable"),
+            (row.not_counted, "not counted"),
+        )
+        if count
+    ]
+    if left_out:
+        name += f" ({', '.join(left_out)})"
     counts = (row.a_only, row.b_only, row.both, row.neither)
     return (
         name,

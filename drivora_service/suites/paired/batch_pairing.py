@@ -3,14 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from drivora_service.oracles.verdicts.failure_definition import (
-    DEFAULT_DEFINITION,
-    DefinitionOrigin,
-    StatedDefinition,
-    state_definition,
-)
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.runs.run_records import Batch
 from drivora_service.suites.paired.batch_comparison import (
@@ -22,6 +16,7 @@ from drivora_service.suites.paired.batch_comparison import (
     RunResult,
     WhichFails,
 )
+from drivora_service.suites.paired.definition_choice import choose_definition
 from drivora_service.suites.paired.failure_counts import (
     JudgedPair,
     compare_failures,
@@ -88,7 +83,7 @@ def compare_runs(
     check_metrics(metrics, known)
     chosen = tuple(dict.fromkeys(metrics))
     pairing = pair_runs(first.runs, second.runs)
-    rules, definition, remarks = _choose_definition(pairing, rules)
+    rules, definition, remarks = choose_definition(pairing.pairs, rules)
     judged, left_out = _judge_pairs(pairing, rules)
     scenarios = _by_scenario(judged)
     failures, by_oracle = compare_failures(scenarios), compare_oracles(scenarios)
@@ -143,26 +138,6 @@ def compare_runs(
         pairs=_results(scenarios, judged, by_oracle, shown),
         left_out=left_out,
     )
-
-
-def _choose_definition(
-    pairing: Pairing, rules: Rules
-) -> tuple[Rules, StatedDefinition, tuple[str, ...]]:
-    """Returns the rules by which both runs of a pair are judged alike, with a remark on them."""
-    if rules.definition is not None:
-        return rules, state_definition((rules.definition,), DefinitionOrigin.REQUEST), ()
-    if all(pair.a.definition == pair.b.definition for pair in pairing.pairs):
-        return rules, state_definition(pair.a.definition for pair in pairing.pairs), ()
-    a, b = (
-        state_definition(run.definition for run in runs).words
-        for runs in ((pair.a for pair in pairing.pairs), (pair.b for pair in pairing.pairs))
-    )
-    remark = (
-        f"A and B were posted with different definitions of a failure: A counts {a}; B counts {b}. "
-        "The default counts here, unless `counts` says otherwise."
-    )
-    default = replace(rules, definition=DEFAULT_DEFINITION)
-    return default, state_definition((), DefinitionOrigin.DEFAULT), (remark,)
 
 
 def _judge_pairs(pairing: Pairing, rules: Rules) -> tuple[list[JudgedPair], tuple[LeftOut, ...]]:

@@ -68,6 +68,7 @@ def compare_failures(scenarios: Scenarios) -> FailureComparison:
         runs_a=sum(bool(pair.a.failures) for pair in every),
         runs_b=sum(bool(pair.b.failures) for pair in every),
         not_measurable=0,
+        not_counted=0,
     )
 
 
@@ -85,17 +86,31 @@ def compare_oracles(scenarios: Scenarios) -> tuple[FailureComparison, ...]:
 
 def _by_oracle(scenarios: Scenarios, oracle: str) -> FailureComparison:
     counts: Counter[WhichFails] = Counter()
-    runs_a = runs_b = left_out = 0
+    runs_a = runs_b = not_measurable = not_counted = 0
     for pairs in scenarios.values():
-        known = [p for p in pairs if _is_measured(p.a, oracle) and _is_measured(p.b, oracle)]
-        left_out += len(pairs) - len(known)
+        counted = [p for p in pairs if _is_counted(p.a, oracle) and _is_counted(p.b, oracle)]
+        known = [p for p in counted if _is_measured(p.a, oracle) and _is_measured(p.b, oracle)]
+        not_counted += len(pairs) - len(counted)
+        not_measurable += len(counted) - len(known)
         if not known:
             continue
         a = sum(oracle in pair.a.failures for pair in known)
         b = sum(oracle in pair.b.failures for pair in known)
         counts[which_fails(a, b)] += 1
         runs_a, runs_b = runs_a + a, runs_b + b
-    return _comparison(oracle, counts, runs_a=runs_a, runs_b=runs_b, not_measurable=left_out)
+    return _comparison(
+        oracle,
+        counts,
+        runs_a=runs_a,
+        runs_b=runs_b,
+        not_measurable=not_measurable,
+        not_counted=not_counted,
+    )
+
+
+def _is_counted(judged: Judged, oracle: str) -> bool:
+    """Whether the definition of a run looks at an oracle."""
+    return oracle in _STATUSES or judged.named is None or oracle in judged.named
 
 
 def _is_measured(judged: Judged, oracle: str) -> bool:
@@ -106,7 +121,13 @@ def _is_measured(judged: Judged, oracle: str) -> bool:
 
 
 def _comparison(
-    oracle: str, counts: Mapping[WhichFails, int], *, runs_a: int, runs_b: int, not_measurable: int
+    oracle: str,
+    counts: Mapping[WhichFails, int],
+    *,
+    runs_a: int,
+    runs_b: int,
+    not_measurable: int,
+    not_counted: int,
 ) -> FailureComparison:
     a_only, b_only = counts.get(WhichFails.A_ONLY, 0), counts.get(WhichFails.B_ONLY, 0)
     shares = compare_shares(a_only=a_only, b_only=b_only, scenarios=sum(counts.values()))
@@ -118,6 +139,7 @@ def _comparison(
         both=counts.get(WhichFails.BOTH, 0),
         neither=counts.get(WhichFails.NEITHER, 0),
         not_measurable=not_measurable,
+        not_counted=not_counted,
         runs_a=runs_a,
         runs_b=runs_b,
         difference=None if shares is None else shares.difference,

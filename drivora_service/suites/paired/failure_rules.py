@@ -67,6 +67,7 @@ class Judged:
         failures: By oracle.
         not_measurable: Oracles that could not be judged; they are not failures.
         oracles: Oracles with a verdict.
+        named: The only oracles that the definition counts; ``None``: all but observations.
         is_preventable: Whether a violation is not the fault of the ego, but avoidable, counted or
             not.
     """
@@ -74,6 +75,7 @@ class Judged:
     failures: Mapping[str, FailureFound]
     not_measurable: frozenset[str]
     oracles: frozenset[str]
+    named: frozenset[str] | None = None
     is_preventable: bool = False
 
 
@@ -83,11 +85,14 @@ class Rules:
 
     Attributes:
         definition: The violations that count in every run; ``None``: what was defined for each run
-            when it was posted.
+            when it was posted, unless oracles are asked for.
+        oracles: Without a definition: the only oracles that count, by `counts` of the runs. A
+            comparison makes a definition of it; empty: not asked for.
         unfinished: The runs without a judgement that count, unless oracles are named.
     """
 
     definition: FailureDefinition | None = None
+    oracles: tuple[str, ...] = ()
     unfinished: Unfinished = Unfinished.AGENT
 
     def definition_of(self, run: PairedRun) -> FailureDefinition:
@@ -97,6 +102,7 @@ class Rules:
     def judge(self, run: PairedRun) -> Judged | None:
         """Returns the failures of a run; ``None`` if it has no result that counts."""
         definition = self.definition_of(run)
+        named = None if definition.oracles is None else frozenset(definition.oracles)
         agents = {ego: choice.name for ego, choice in run.agents.items()} or {"": run.agent}
         if run.status is not RunStatus.FINISHED:
             # Who asks for some oracles does not ask for these; a suite names oracles of its runs.
@@ -106,8 +112,9 @@ class Rules:
             status = str(run.status)
             found = FailureFound(oracle=status, sentence=_describe_ending(run))
             failures = {} if definition.knows(status, "", "", agents) else {status: found}
-            return Judged(failures=failures, not_measurable=frozenset(), oracles=frozenset())
-        named = None if definition.oracles is None else frozenset(definition.oracles)
+            return Judged(
+                failures=failures, not_measurable=frozenset(), oracles=frozenset(), named=named
+            )
         failing: dict[str, list[Verdict]] = {}
         for verdict in definition.failures(run.verdicts, agents):
             failing.setdefault(verdict.oracle, []).append(verdict)
@@ -121,6 +128,7 @@ class Rules:
             failures={oracle: _make_failure_found(found, run) for oracle, found in failing.items()},
             not_measurable=frozenset(unknown - failing.keys()),
             oracles=run.oracles if named is None else run.oracles & named,
+            named=named,
             is_preventable=definition.is_preventable(run.verdicts),
         )
 

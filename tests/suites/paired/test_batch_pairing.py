@@ -155,7 +155,54 @@ def test_batches_with_different_definitions_are_counted_by_the_default() -> None
     assert (found.failures.runs_a, found.failures.runs_b) == (0, 0)
     assert found.definition.origin is DefinitionOrigin.DEFAULT
     (note,) = (one for one in found.notes if "different definitions" in one)
-    assert "A counts violations of any fault" in note
+    assert "A counts any, and B counts accountable (in a)" in note
+
+
+def test_oracles_that_are_asked_for_count_by_what_was_defined_for_the_runs() -> None:
+    of_others = (verdict("collision", at_fault=False),)
+    every = FailureDefinition(counts=Counted.ANY, oracles=("collision", "red_light"))
+    runs = [run("a", verdicts=of_others, definition=every), run("b", fails=["red_light"])]
+    asked = Rules(oracles=("collision",))
+    found = compare_runs(batch(runs[:1]), batch(runs[:1]), rules=asked)
+    assert (found.failures.runs_a, found.failures.runs_b) == (1, 1)
+    assert (found.definition.counts, found.definition.oracles) == (Counted.ANY, ("collision",))
+    assert any("`counts` is any, as defined where the runs were posted" in n for n in found.notes)
+    # They must have it in common.
+    mixed = compare_runs(batch(runs), batch(runs), rules=asked)
+    assert (mixed.failures.runs_a, mixed.definition.counts) == (0, Counted.ACCOUNTABLE)
+    (note,) = (one for one in mixed.notes if "different `counts`" in one)
+    assert "(accountable, any). The default, accountable, counts here" in note
+
+
+def test_an_oracle_that_does_not_count_is_not_called_unmeasurable() -> None:
+    every = FailureDefinition(counts=Counted.ANY)
+    other = FailureDefinition(oracles=("tailgating",))
+    unknown = (verdict("collision", Outcome.NOT_MEASURABLE, at_fault=None),)
+    runs = [
+        run("s", fails=["collision"], definition=every),
+        run("t", fails=["collision"], passes=("tailgating",), definition=other),
+        run("u", passes=(), verdicts=unknown, definition=every),
+    ]
+    found = compare_runs(batch(runs), batch(runs))
+    (collision,) = found.by_oracle
+    assert (collision.both, collision.not_counted, collision.not_measurable) == (1, 1, 1)
+    assert "| collision (1 not measurable, 1 not counted) |" in comparison_markdown(found)
+
+
+def test_what_differs_between_the_definitions_is_named() -> None:
+    oracles = ("blocked", "collision", "red_light", "speeding", "tailgating")
+    known = KnownFailure(oracle="off_road", agents=("idm",), reason="issue 3")
+    first = [run(n, definition=FailureDefinition(oracles=(n,))) for n in oracles]
+    second = [
+        *first[:-1],
+        run("tailgating", definition=FailureDefinition(oracles=("off_road",), known=(known,))),
+    ]
+    found = compare_runs(batch(first), batch(second))
+    (note,) = (one for one in found.notes if "different definitions" in one)
+    assert note.startswith(
+        "A and B were posted with different definitions of a failure: A counts tailgating, and B "
+        "counts off road; known in B only: off road by idm (in tailgating). The default counts"
+    )
 
 
 def test_what_is_known_of_an_ads_is_no_failure_of_its_runs() -> None:
