@@ -239,7 +239,7 @@ def test_every_report_says_what_a_failure_is(capsys: pytest.CaptureFixture[str])
         junit_xml(made).decode(),
     ):
         assert text.count(words) == 1
-    assert decision_of(made).definition == made.decision.definition
+    assert decision_of(made).definition == made.decision.definition.words
     assert report_content(made)["definition"] == {
         "words": "violations that an ego is accountable for (accountable), of all oracles but "
         "observations",

@@ -142,6 +142,8 @@ SUITE_RUN_REQUEST: dict[str, Any] = {
         "pass_rate": {"mean": 0.5, "low": 0.09, "high": 0.91},
         "score": {"mean": 82.5, "low": 66.1, "high": 98.9},
         "versions": {"drivora": "0.1.0"},
+        "definition": "violations that an ego is accountable for (accountable), of all oracles but "
+        "observations",
     },
     "outcomes": [
         {

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 
-from drivora_service.oracles.verdicts.failure_definition import StatedDefinition
 from drivora_service.shapes import Shape
 
 
@@ -83,7 +82,7 @@ class SuiteDecision(Shape):
         pass_rate: Share of scenarios that pass, with the interval of Wilson (1927).
         score: Mean driving score of the scenarios, with Student's interval; null: not measurable.
         versions: Versions of the software that took part, by name.
-        definition: What counts as a failure; null if it was not recorded.
+        definition: What counts as a failure, in words; empty if it was not recorded.
     """
 
     suite: str
@@ -102,7 +101,7 @@ class SuiteDecision(Shape):
     pass_rate: SuiteEstimate
     score: SuiteEstimate | None
     versions: Mapping[str, str]
-    definition: StatedDefinition | None = None
+    definition: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

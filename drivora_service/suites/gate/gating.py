@@ -60,7 +60,7 @@ def decide(
     """
     if baseline is not None:
         check_definitions(baseline, results.scenarios, scenarios, gate.definition)
-    found = _find_gate_failures(results, scenarios, gate)
+    found = find_failures(results, scenarios, gate=gate.definition)
     # Confirmations are runs of scenarios that have just failed: they say nothing on the whole.
     chosen = results.without_confirmations()
     comparable = leave_out_known(
@@ -69,7 +69,7 @@ def decide(
     overall = (
         None
         if baseline is None
-        else _overall(_find_gate_failures(chosen, scenarios, gate), comparable, gate)
+        else _overall(find_failures(chosen, scenarios, gate=gate.definition), comparable, gate)
     )
     known = set() if baseline is None else set(baseline.scenarios)
     decision = Decision(
@@ -92,12 +92,6 @@ def decide(
         definition=state_definition(replace(one, known=()) for one in found.definitions.values()),
     )
     return replace(decision, reasons=tuple(_reasons(decision)))
-
-
-def _find_gate_failures(
-    results: SuiteResults, scenarios: Mapping[str, SuiteScenario], gate: GateDocument
-) -> Found:
-    return find_failures(results, scenarios, gate=gate.definition)
 
 
 def to_confirm(decision: Decision, results: SuiteResults, *, times: int) -> tuple[str, ...]:

@@ -42,7 +42,7 @@ def decision_of(report: SuiteReport) -> SuiteDecision:
         # Scenarios are the observations: the interval is that of other scenarios like these.
         score=_estimate(mean_of_repetitions(scores, confidence=_CONFIDENCE)) if scores else None,
         versions=results.versions,
-        definition=decision.definition,
+        definition=decision.definition.words,
     )
 
 
