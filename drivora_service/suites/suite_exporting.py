@@ -47,14 +47,24 @@ class Exported:
     Attributes:
         added: Files of new scenarios.
         known: Scenarios that the suite had already.
+        kept: Those of them that count other failures than was asked for, as their files say.
         suite_file: The file of the suite.
         is_new: Whether that was written, too.
     """
 
     added: tuple[Path, ...]
     known: int
+    kept: tuple[Path, ...]
     suite_file: Path
     is_new: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Known:
+    """A scenario of the suite, with what its file says on failures: `counts` and `oracles`."""
+
+    path: Path
+    expected: Mapping[str, Any]
 
 
 def export_scenarios(folder: Path, scenarios: Iterable[FoundScenario], *, name: str) -> Exported:
@@ -70,18 +80,21 @@ def export_scenarios(folder: Path, scenarios: Iterable[FoundScenario], *, name: 
         OSError: A file cannot be written.
     """
     inside = folder / _FOLDER
-    known = _read_hashes(inside)
+    known = _read_known(inside)
     taken = {path.stem for path in inside.glob("*")} if inside.is_dir() else set()
     inside.mkdir(parents=True, exist_ok=True)
     added: list[Path] = []
+    kept: dict[Path, None] = {}
     repeated = 0
     for one in scenarios:
         digest = scenario_hash(one.document)
         if digest in known:
             repeated += 1
+            if known[digest].expected != _counted(one.definition):
+                kept[known[digest].path] = None
             continue
-        known.add(digest)
         path = inside / f"{_unique(one.stem, taken)}.json"
+        known[digest] = _Known(path=path, expected=_counted(one.definition))
         path.write_text(document_text(_with_expectations(one)))
         added.append(path)
     suite_file = folder / _SUITE_FILE
@@ -89,7 +102,13 @@ def export_scenarios(folder: Path, scenarios: Iterable[FoundScenario], *, name: 
     if is_new:
         content: Mapping[str, Any] = {"name": name, "scenarios": [f"{_FOLDER}/*.json"]}
         suite_file.write_text(yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True))
-    return Exported(added=tuple(added), known=repeated, suite_file=suite_file, is_new=is_new)
+    return Exported(
+        added=tuple(added),
+        known=repeated,
+        kept=tuple(kept),
+        suite_file=suite_file,
+        is_new=is_new,
+    )
 
 
 def slug(parts: Sequence[str]) -> str:
@@ -104,25 +123,44 @@ def tag(text: str) -> str:
 
 
 def _with_expectations(one: FoundScenario) -> ScenarioDocument:
-    expected: dict[str, Any] = {"tags": list(one.tags), "counts": str(one.definition.counts)}
-    if one.definition.oracles is not None:
-        expected["oracles"] = list(one.definition.oracles)
-    expected["comment"] = one.comment
+    expected = {"tags": list(one.tags), **_counted(one.definition), "comment": one.comment}
     extensions = {**one.document.extensions, EXTENSION: expected}
     return one.document.model_copy(update={"extensions": extensions})
 
 
-def _read_hashes(folder: Path) -> set[str]:
-    known: set[str] = set()
+def _counted(definition: FailureDefinition) -> dict[str, Any]:
+    """Returns what counts as a failure, as the file of a scenario says it."""
+    counts = {"counts": str(definition.counts)}
+    if definition.oracles is None:
+        return counts
+    return {**counts, "oracles": sorted(definition.oracles)}
+
+
+def _read_known(folder: Path) -> dict[str, _Known]:
+    """Returns the scenarios that are there by their hashes."""
+    known: dict[str, _Known] = {}
     for path in sorted(folder.glob("*.json")) if folder.is_dir() else ():
         try:
-            known.add(scenario_hash(parse_document(path.read_bytes(), "json")))
+            document = parse_document(path.read_bytes(), "json")
         except (InvalidDocument, OSError, json.JSONDecodeError) as error:
             raise ConfigurationError(
                 f"{path} cannot be read as a scenario, so that it is not known whether it is "
                 f"there already: {error}"
             ) from error
+        known.setdefault(scenario_hash(document), _Known(path=path, expected=_expected(document)))
     return known
+
+
+def _expected(document: ScenarioDocument) -> dict[str, Any]:
+    """Returns what a scenario says itself on what counts as a failure in it."""
+    carried = document.extensions.get(EXTENSION)
+    if not isinstance(carried, Mapping):
+        return {}
+    said: dict[str, Any] = {
+        key: carried[key] for key in ("counts", "oracles") if carried.get(key) is not None
+    }
+    oracles = said.get("oracles")
+    return said if not isinstance(oracles, list) else {**said, "oracles": sorted(map(str, oracles))}
 
 
 def _unique(stem: str, taken: set[str]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -75,6 +76,18 @@ def test_no_scenario_is_added_twice_and_none_is_changed(tmp_path: Path) -> None:
     assert (tmp_path / "scenarios" / "town-collision-1.json").read_text() == before[
         "town-collision-1.json"
     ]
+
+
+def test_scenarios_that_stay_and_count_other_failures_are_named(tmp_path: Path) -> None:
+    export_scenarios(tmp_path, [found(1), found(2)], name="found")
+    assert export_scenarios(tmp_path, [found(1), found(2)], name="found").kept == ()
+    others = replace(
+        found(2), definition=FailureDefinition(counts=Counted.ANY, oracles=("collision",))
+    )
+    before = (tmp_path / "scenarios" / "town-collision-2.json").read_text()
+    done = export_scenarios(tmp_path, [found(1), others, others], name="found")
+    assert [path.name for path in done.kept] == ["town-collision-2.json"]
+    assert done.kept[0].read_text() == before
 
 
 def test_a_folder_with_other_files_is_left_alone(tmp_path: Path) -> None:

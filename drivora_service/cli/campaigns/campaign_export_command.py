@@ -56,12 +56,20 @@ def export(
         found = find_failure_scenarios(client, campaigns, each=each, counted=counted, most=most)
         with convert_write_errors(suite):
             done = export_scenarios(suite, found, name=suite.resolve().name)
+    if done.kept:
+        note(
+            f"note: {len(done.kept)} of the scenarios that were there already count other failures "
+            f"than these do, and stay as they are, such as {done.kept[0]}. To change them, set "
+            "`counts` and `oracles` in their files (under `drivora:suite` of `extensions`), or "
+            "export to another folder"
+        )
     if as_json:
         print_json(
             {
                 "suite": str(done.suite_file),
                 "added": [str(path) for path in done.added],
                 "known": done.known,
+                "kept": [str(path) for path in done.kept],
             }
         )
         return
