@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Literal, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -21,6 +21,7 @@ def read_structure(
     *,
     what: str,
     most_bytes: int = MAX_DOCUMENT_BYTES,
+    further: Callable[[Mapping[str, Any]], Iterable[Problem]] = lambda _content: (),
 ) -> tuple[M, dict[str, Any], list[Problem]]:
     """Returns a document, its content, and the problems that its structure does not show.
 
@@ -30,6 +31,7 @@ def read_structure(
         format: Language of the text; YAML without aliases and tags.
         what: What is expected, for messages.
         most_bytes: Size of a text of JSON.
+        further: Finds further problems of a content whose structure has problems, of any types.
 
     Raises:
         InvalidDocument: The text cannot be read, or its structure has problems; all are listed, in
@@ -42,4 +44,6 @@ def read_structure(
         known = {problem.pointer for problem in odd}
         structural = structural_problems(error, model)
         problems = [*odd, *(p for p in structural if p.pointer not in known)]
+        known |= {problem.pointer for problem in structural}
+        problems += [p for p in further(content) if p.pointer not in known]
         raise InvalidDocument(in_document_order(problems, content)) from error

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from itertools import chain
 from typing import Any, Literal
@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.document_problems import in_document_order, structural_problems
 from drivora_service.scenario.structure import read_structure
+from drivora_service.suites.named_parts import is_metric, items_of, unknown, unknown_oracles
 from drivora_service.suites.suite import (
     Difficulty,
     MetricBounds,
@@ -21,7 +22,6 @@ from drivora_service.suites.suite import (
 from drivora_service.suites.suite_documents import (
     EXTENSION,
     ExpectationsDocument,
-    MetricBoundsDocument,
     SuiteDocument,
     SuiteScenarioDocument,
 )
@@ -49,14 +49,23 @@ def read_suite(
     Raises:
         InvalidDocument: The document has problems; all are listed, in document order.
     """
+
+    def find_unknown_names(content: Mapping[str, Any]) -> Iterator[Problem]:
+        return _unknown_names(content, oracles=oracles, metrics=metrics)
+
     document, content, odd = read_structure(
-        data, SuiteDocument, format, what="a suite", most_bytes=_MOST_BYTES
+        data,
+        SuiteDocument,
+        format,
+        what="a suite",
+        most_bytes=_MOST_BYTES,
+        further=find_unknown_names,
     )
     carried, problems = _read_carried_expectations(document)
     problems += [
         *odd,
         *_repeated_names(document),
-        *_unknown_names(document, carried, oracles=oracles, metrics=metrics),
+        *find_unknown_names(content),
     ]
     if problems:
         raise InvalidDocument(in_document_order(problems, content))
@@ -138,66 +147,53 @@ def _repeated_names(document: SuiteDocument) -> Iterator[Problem]:
 
 
 def _unknown_names(
-    document: SuiteDocument,
-    carried: Sequence[ExpectationsDocument],
-    *,
-    oracles: Collection[str],
-    metrics: Collection[str],
+    content: Mapping[str, Any], *, oracles: Collection[str], metrics: Collection[str]
 ) -> Iterator[Problem]:
-    yield from _unknown_oracles("", document.oracles or (), oracles)
-    yield from _unknown_metrics("", document.metrics, metrics)
-    egos = [[ego.id for ego in one.document.ego_vehicles] for one in document.scenarios]
-    yield from _unknown_egos("", document.metrics, list(dict.fromkeys(chain(*egos))))
-    for place, one in enumerate(document.scenarios):
+    """Yields unknown names in a suite, whose structure may have problems."""
+    scenarios = items_of(content, "scenarios")
+    documents = [_part(one, "document") for _, one in scenarios]
+    egos = [_egos(one) for one in documents]
+    yield from unknown_oracles(content, oracles)
+    yield from _unknown_metrics("", content, metrics)
+    yield from _unknown_egos("", content, list(dict.fromkeys(chain(*egos))))
+    for (place, one), document, own in zip(scenarios, documents, egos, strict=True):
+        carried = _part(_part(document, "extensions"), EXTENSION)
         for prefix, expected in (
             (f"/scenarios/{place}", one),
-            (_extension_place(place), carried[place]),
+            (_extension_place(place), carried),
         ):
-            yield from _unknown_oracles(prefix, expected.oracles or (), oracles)
-            yield from _unknown_metrics(prefix, expected.metrics, metrics)
-            yield from _unknown_egos(prefix, expected.metrics, egos[place])
-            for index, known in enumerate(expected.known_failures):
-                if known.oracle not in (None, AGENT_FAILED, *oracles):
+            yield from unknown_oracles(expected, oracles, prefix)
+            yield from _unknown_metrics(prefix, expected, metrics)
+            yield from _unknown_egos(prefix, expected, own)
+            for index, known in items_of(expected, "known_failures"):
+                name = known.get("oracle") if isinstance(known, Mapping) else None
+                if isinstance(name, str) and name not in (AGENT_FAILED, *oracles):
                     pointer = f"{prefix}/known_failures/{index}/oracle"
-                    yield unknown("oracle", known.oracle or "", (AGENT_FAILED, *oracles), pointer)
+                    yield unknown("oracle", name, (AGENT_FAILED, *oracles), pointer)
 
 
-def _unknown_oracles(
-    prefix: str, names: Collection[str], known: Collection[str]
-) -> Iterator[Problem]:
-    for index, name in enumerate(names):
-        if name not in known:
-            yield unknown("oracle", name, known, f"{prefix}/oracles/{index}")
-
-
-def _unknown_metrics(
-    prefix: str, bounds: Mapping[str, MetricBoundsDocument], known: Collection[str]
-) -> Iterator[Problem]:
-    for name in bounds:
+def _unknown_metrics(prefix: str, expected: Any, known: Collection[str]) -> Iterator[Problem]:
+    for name in _part(expected, "metrics"):
         if not is_metric(name, known):
             yield unknown("metric", name, known, f"{prefix}/metrics/{name}")
 
 
-def _unknown_egos(
-    prefix: str, bounds: Mapping[str, MetricBoundsDocument], egos: Collection[str]
-) -> Iterator[Problem]:
+def _unknown_egos(prefix: str, expected: Any, egos: Collection[str]) -> Iterator[Problem]:
     """Yields metrics of egos that do not exist: their bounds would always hold."""
-    for name in bounds:
+    for name in _part(expected, "metrics"):
         _, bracket, ego = name.partition("[")
         if bracket and ego.removesuffix("]") not in egos:
             yield unknown("ego", ego.removesuffix("]"), egos, f"{prefix}/metrics/{name}")
 
 
-def is_metric(name: str, known: Collection[str]) -> bool:
-    """Returns whether a name is that of a metric, or of its value for one ego, ``NAME[EGO]``."""
-    metric, bracket, _ = name.partition("[")
-    return metric in known and (not bracket or name.endswith("]"))
+def _part(content: Any, key: str) -> Mapping[str, Any]:
+    """Returns the object at a key of another one; an empty one if there is none."""
+    found = content.get(key) if isinstance(content, Mapping) else None
+    return found if isinstance(found, Mapping) else {}
 
 
-def unknown(kind: str, name: str, known: Collection[str], pointer: str) -> Problem:
-    """Returns the problem of a name that is not in a catalogue."""
-    return Problem(
-        pointer=pointer,
-        code=f"unknown_{kind}",
-        message=f"unknown {kind} {name[:80]!r}; known: {', '.join(known)}",
-    )
+def _egos(document: Mapping[str, Any]) -> list[str]:
+    """Returns the ids of the egos of a scenario, whose structure may have problems."""
+    egos = (one for _, one in items_of(document, "ego_vehicles"))
+    ids = (ego.get("id") for ego in egos if isinstance(ego, Mapping))
+    return [one for one in ids if isinstance(one, str)]

@@ -134,6 +134,56 @@ def test_problems_are_named_at_their_places(
     assert [(p.pointer, p.code) for p in raised.value.problems] == [(pointer, code)]
 
 
+def test_names_are_checked_where_the_structure_has_problems() -> None:
+    document = {
+        **SCENARIO,
+        "extensions": {EXTENSION: {"oracles": ["carried", 3]}},
+    }
+    with pytest.raises(InvalidDocument) as raised:
+        read(
+            suite(
+                {
+                    "document": document,
+                    "counts": "bogus",
+                    "oracles": ["nosuch"],
+                    "metrics": {"x": {"at_least": 1}, "comfort[nosuch]": {}},
+                    "known_failures": [{"oracle": "none", "reason": "y"}, 3],
+                },
+                counts="bogus",
+                oracles="collision",
+            )
+        )
+    assert [p.pointer for p in raised.value.problems] == [
+        f"/scenarios/0/document/extensions/{EXTENSION}/oracles/0",
+        "/scenarios/0/counts",
+        "/scenarios/0/oracles/0",
+        "/scenarios/0/metrics/x",
+        "/scenarios/0/metrics/comfort[nosuch]",
+        "/scenarios/0/known_failures/0/oracle",
+        "/scenarios/0/known_failures/1",
+        "/counts",
+        "/oracles",
+    ]
+
+
+def test_all_problems_of_a_gate_are_named_at_once() -> None:
+    text = (
+        "counts: bogus\noracles: [nosuch, 3]\nlimits: [{oracles: [x], most_scenarios: 0}, 4]\n"
+        "metrics: [{metric: nosuch}]\n"
+    )
+    with pytest.raises(InvalidDocument) as raised:
+        read_gate_document(text, oracles=ORACLES, metrics=METRICS)
+    assert [p.pointer for p in raised.value.problems] == [
+        "/counts",
+        "/oracles/0",
+        "/oracles/1",
+        "/limits/0/oracles/0",
+        "/limits/1",
+        "/metrics/0",
+        "/metrics/0/metric",
+    ]
+
+
 def test_a_metric_may_be_that_of_one_ego() -> None:
     assert read(suite(metrics={f"comfort[{EGO}]": {"at_least": 0.5}})).scenarios[0].metrics
 

@@ -9,7 +9,12 @@ from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.document_problems import in_document_order
 from drivora_service.scenario.structure import read_structure
 from drivora_service.suites.gate.gate_documents import GateDocument
-from drivora_service.suites.suite_reading import is_metric, unknown
+from drivora_service.suites.named_parts import (
+    is_metric,
+    items_of,
+    unknown,
+    unknown_oracles,
+)
 
 
 def read_gate_document(
@@ -30,23 +35,26 @@ def read_gate_document(
     Raises:
         InvalidDocument: The document has problems; all are listed, in document order.
     """
-    document, content, odd = read_structure(data, GateDocument, format, what="a gate")
-    problems = [*odd, *_unknown_names(document, oracles, metrics)]
+
+    def find_unknown_names(content: Mapping[str, Any]) -> Iterator[Problem]:
+        return _unknown_names(content, oracles, metrics)
+
+    document, content, odd = read_structure(
+        data, GateDocument, format, what="a gate", further=find_unknown_names
+    )
+    problems = [*odd, *find_unknown_names(content)]
     if problems:
         raise InvalidDocument(in_document_order(problems, content))
     return document
 
 
 def _unknown_names(
-    gate: GateDocument, oracles: Collection[str], metrics: Collection[str]
+    content: Mapping[str, Any], oracles: Collection[str], metrics: Collection[str]
 ) -> Iterator[Problem]:
-    for place, name in enumerate(gate.oracles or ()):
-        if name not in oracles:
-            yield unknown("oracle", name, oracles, f"/oracles/{place}")
-    for index, limit in enumerate(gate.limits):
-        for place, name in enumerate(limit.oracles or ()):
-            if name not in oracles:
-                yield unknown("oracle", name, oracles, f"/limits/{index}/oracles/{place}")
-    for index, metric in enumerate(gate.metrics):
-        if not is_metric(metric.metric, metrics):
-            yield unknown("metric", metric.metric, metrics, f"/metrics/{index}/metric")
+    yield from unknown_oracles(content, oracles)
+    for index, limit in items_of(content, "limits"):
+        yield from unknown_oracles(limit, oracles, f"/limits/{index}")
+    for index, one in items_of(content, "metrics"):
+        name = one.get("metric") if isinstance(one, Mapping) else None
+        if isinstance(name, str) and not is_metric(name, metrics):
+            yield unknown("metric", name, metrics, f"/metrics/{index}/metric")
