@@ -81,6 +81,17 @@ def test_from_a_first_run_to_a_gate_with_a_baseline(
     assert same.code == 0, same.err
     assert "Gate passed: 1 same against the baseline" in same.out
 
+    # What counts otherwise cannot be compared with it.
+    gate = tmp_path / "gate.yaml"
+    gate.write_text("counts: any\n")
+    others = ("--baseline", baseline, "--gate-file", gate)
+    for refused in (
+        drivora("suite", "run", suite, *others),
+        drivora("suite", "gate", suite, files["r"], *others),
+    ):
+        assert refused.code == 2
+        assert "count different failures in 3 of 3 scenarios" in refused.err
+
     # A regression: the ADS drives faster than allowed.
     faster = ("--agent", "idm", "--agent-parameter", "speed_factor=1.3", "--tag", "driving")
     worse = drivora("suite", "run", suite, "--baseline", baseline, "--json", *faster)
