@@ -16,13 +16,13 @@ from tests.store.samples import claim, finish, finished, register
 COMPARE = "/api/v1/batches:compare"
 
 
-def batch(offline: Offline, name: str, agent: str, fails: list[str]) -> str:
+def batch(offline: Offline, name: str, agent: str, fails: list[str], **posted_with: str) -> str:
     """A batch of labelled scenarios, each violating an oracle at fault or "" none."""
     items = [
         {"label": f"s{n}", "scenario": {**copy.deepcopy(SCENARIO), "max_sim_time": 60.0 + n}}
         for n in range(len(fails))
     ]
-    parameters = {"name": name, "agent": agent}
+    parameters = {"name": name, "agent": agent, **posted_with}
     posted = offline.client.post("/api/v1/batches", json=items, params=parameters)
     assert posted.status_code == 202, posted.text
     database = offline.context.database
@@ -70,6 +70,16 @@ def test_the_newest_batch_of_a_name_is_compared(offline: Offline, both: tuple[st
     assert found["a"]["batch"] == newer
     assert (found["scenarios"], len(found["left_out"])) == (1, 7)
     assert {one["reason"] for one in found["left_out"]} == {"only_b"}
+
+
+def test_oracles_alone_leave_what_counts_of_the_runs(offline: Offline) -> None:
+    a, b = (batch(offline, name, "idm", ["collision"], counts="any") for name in ("old", "new"))
+    found = offline.client.get(COMPARE, params={"a": a, "b": b, "oracle": "collision"}).json()
+    assert (found["definition"]["counts"], found["definition"]["oracles"]) == ("any", ["collision"])
+    other = batch(offline, "other", "idm", ["collision"])
+    mixed = offline.client.get(COMPARE, params={"a": a, "b": other, "oracle": "collision"}).json()
+    assert mixed["definition"]["counts"] == "accountable"
+    assert any("different `counts` (accountable, any)" in note for note in mixed["notes"])
 
 
 def test_what_counts_is_chosen(offline: Offline, both: tuple[str, str]) -> None:
