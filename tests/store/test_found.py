@@ -154,7 +154,7 @@ def passes(failure: FoundFailure, wanted: FoundFilter) -> bool:
         and all(
             getattr(wanted, name) in ("", None) or getattr(wanted, name) == facts[name]
             for name in FoundFilter.__slots__
-            if name not in ("since", "until", "counts")
+            if name not in ("since", "until", "counts", "all_kept")
         )
         and (wanted.since or BEGIN) <= failure.found_at < (wanted.until or datetime.now(UTC))
     )

@@ -43,15 +43,8 @@ def conditions_of(session: Session, wanted: FoundFilter) -> list[ColumnElement[b
     ]
     if wanted.at_fault is not None:
         conditions.append(FoundRow.at_fault.is_(wanted.at_fault))
-    if wanted.counts is None:
-        # Who asks for a degree, or for fault, chooses by that.
-        if wanted.accountability is None and wanted.at_fault is None:
-            conditions.append(FoundRow.is_counted.is_(True))
-    elif wanted.counts is not Counted.ANY:
-        # What was found before degrees were recorded counts by its definition.
-        unknown = FoundRow.accountability.is_(None) & FoundRow.is_counted
-        degrees = FoundRow.accountability.in_(sorted(COUNTED[wanted.counts]))
-        conditions.append(degrees | unknown)
+    if not wanted.all_kept:
+        conditions += _counted_conditions(wanted)
     if wanted.since is not None:
         conditions.append(FoundRow.found_at >= wanted.since)
     if wanted.until is not None:
@@ -63,6 +56,21 @@ def conditions_of(session: Session, wanted: FoundFilter) -> list[ColumnElement[b
         conditions.append(membership.condition())
     owners = _owner_conditions(session, wanted)
     return None if owners is None else [*conditions, *owners]
+
+
+def _counted_conditions(wanted: FoundFilter) -> list[ColumnElement[bool]]:
+    if wanted.counts is None:
+        # Who asks for a degree, or for fault, chooses by that.
+        is_chosen = wanted.accountability is not None or wanted.at_fault is not None
+        return [] if is_chosen else [FoundRow.is_counted.is_(True)]
+    # What only its own definition looks at is kept, too: an observation, or what just follows.
+    is_violation = FoundRow.is_violation.is_(True)
+    if wanted.counts is Counted.ANY:
+        return [is_violation]
+    # What was found before degrees were recorded counts by its definition.
+    unknown = FoundRow.accountability.is_(None) & FoundRow.is_counted
+    degrees = FoundRow.accountability.in_(sorted(COUNTED[wanted.counts]))
+    return [is_violation, degrees | unknown]
 
 
 def _owner_conditions(session: Session, wanted: FoundFilter) -> list[ColumnElement[bool]] | None:

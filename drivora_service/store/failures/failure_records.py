@@ -30,6 +30,7 @@ class FoundFilter:
         confirmation: Whether an identical run repeated it; runs outside campaigns have none.
         counts: What counts in place of the definition of each run; ``None``: that definition,
             unless the filter asks for a degree of accountability or for fault.
+        all_kept: Every failure that is kept, whatever counts.
         since: Found at this time or later.
         until: Found before this time.
     """
@@ -46,6 +47,7 @@ class FoundFilter:
     batch_id: str = ""
     confirmation: Confirmation | None = None
     counts: Counted | None = None
+    all_kept: bool = False
     since: datetime | None = None
     until: datetime | None = None
 

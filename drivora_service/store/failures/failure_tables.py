@@ -39,6 +39,7 @@ class FoundRow(Base):
             "found_at",
             "configuration_id",
             "is_counted",
+            "is_violation",
         ),
     )
 
@@ -63,4 +64,6 @@ class FoundRow(Base):
     accountability: Mapped[str | None] = mapped_column(String(16))
     is_counted: Mapped[bool] = mapped_column(default=True, server_default=true())
     """Whether the definition of its run, or of its campaign, counts it."""
+    is_violation: Mapped[bool] = mapped_column(default=True, server_default=true())
+    """Whether the default definition looks at it: no observation, and follows from nothing."""
     confirmation: Mapped[str] = mapped_column(String(16), default="", server_default=text("''"))

@@ -23,6 +23,7 @@ from sqlalchemy.orm import Session
 
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.oracles.verdicts.accountability import accountability
+from drivora_service.oracles.verdicts.failure_definition import DEFAULT_DEFINITION
 from drivora_service.oracles.verdicts.failure_facts import failure_group
 from drivora_service.store.campaigns.campaign_tables import CampaignRow
 from drivora_service.store.engine.plain_statements import Row, execute_many
@@ -65,6 +66,7 @@ def make_found_rows_of_run(
             "town": town,
             "confirmation": "",
             "is_counted": one.is_counted,
+            "is_violation": one.is_violation,
         }
         for one in notable
         if one.is_violation or one.is_counted
@@ -112,6 +114,7 @@ def make_found_rows_of_campaign(
             "confirmation": "open",
             # A campaign stores what it counts.
             "is_counted": True,
+            "is_violation": DEFAULT_DEFINITION.looks_at(verdict),
         }
         for place, verdict in enumerate(violations)
     ]

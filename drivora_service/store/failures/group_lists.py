@@ -16,7 +16,6 @@ from sqlalchemy.orm import Session
 
 from drivora_service.errors import UnknownName
 from drivora_service.oracles.verdicts.accountability import Accountability
-from drivora_service.oracles.verdicts.failure_definition import Counted
 from drivora_service.shapes import combine
 from drivora_service.store.campaigns.campaign_records import Confirmation
 from drivora_service.store.engine.paging import make_token, read_token
@@ -126,9 +125,7 @@ class GroupRepository:
         Raises:
             UnknownName: There is none of this id, or none of its failures is left.
         """
-        page = self.page(
-            GroupFilter(failures=FoundFilter(group=wanted, counts=Counted.ANY)), limit=1
-        )
+        page = self.page(GroupFilter(failures=FoundFilter(group=wanted, all_kept=True)), limit=1)
         if not page.items:
             raise UnknownName("group of failures", wanted, ())
         return page.items[0]

@@ -289,18 +289,19 @@ CREATE TABLE found_failures (
 	at_fault BOOLEAN, 
 	accountability VARCHAR(16), 
 	is_counted BOOLEAN DEFAULT 1 NOT NULL, 
+	is_violation BOOLEAN DEFAULT 1 NOT NULL, 
 	confirmation VARCHAR(16) DEFAULT '' NOT NULL, 
 	CONSTRAINT pk_found_failures PRIMARY KEY (seq), 
 	CONSTRAINT fk_found_failures_campaign_seq_campaigns FOREIGN KEY(campaign_seq) REFERENCES campaigns (seq) ON DELETE CASCADE, 
 	CONSTRAINT fk_found_failures_run_seq_runs FOREIGN KEY(run_seq) REFERENCES runs (seq) ON DELETE CASCADE
 );
-INSERT INTO "found_failures" VALUES(1,'2026-11-29 09:47:12.244134',NULL,NULL,2,1,1,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,'');
-INSERT INTO "found_failures" VALUES(2,'2026-11-29 09:47:12.256515',NULL,NULL,5,2,1,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,'');
-INSERT INTO "found_failures" VALUES(3,'2026-11-29 09:47:12.256515',NULL,NULL,5,2,2,'red_light','red_light',NULL,'idm','idm','','tee-town',1,'avoidable',1,'');
-INSERT INTO "found_failures" VALUES(4,'2026-11-29 09:47:12.353038',1,0,NULL,NULL,0,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,'confirmed');
-INSERT INTO "found_failures" VALUES(5,'2026-11-29 09:47:12.353038',1,0,NULL,NULL,1,'collision','collision',NULL,'idm','idm','','tee-town',NULL,'not_judged',1,'confirmed');
-INSERT INTO "found_failures" VALUES(6,'2026-11-29 09:47:12.353038',1,3,NULL,NULL,0,'collision','collision',NULL,'idm','idm','','tee-town',0,'not_at_fault',1,'flaky');
-INSERT INTO "found_failures" VALUES(7,'2026-11-29 09:47:12.353038',1,4,NULL,NULL,0,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,'open');
+INSERT INTO "found_failures" VALUES(1,'2026-11-29 09:47:12.244134',NULL,NULL,2,1,1,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'');
+INSERT INTO "found_failures" VALUES(2,'2026-11-29 09:47:12.256515',NULL,NULL,5,2,1,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'');
+INSERT INTO "found_failures" VALUES(3,'2026-11-29 09:47:12.256515',NULL,NULL,5,2,2,'red_light','red_light',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'');
+INSERT INTO "found_failures" VALUES(4,'2026-11-29 09:47:12.353038',1,0,NULL,NULL,0,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'confirmed');
+INSERT INTO "found_failures" VALUES(5,'2026-11-29 09:47:12.353038',1,0,NULL,NULL,1,'collision','collision',NULL,'idm','idm','','tee-town',NULL,'not_judged',1,1,'confirmed');
+INSERT INTO "found_failures" VALUES(6,'2026-11-29 09:47:12.353038',1,3,NULL,NULL,0,'collision','collision',NULL,'idm','idm','','tee-town',0,'not_at_fault',1,1,'flaky');
+INSERT INTO "found_failures" VALUES(7,'2026-11-29 09:47:12.353038',1,4,NULL,NULL,0,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'open');
 CREATE TABLE idempotency_keys (
 	"key" VARCHAR(255) NOT NULL, 
 	fingerprint VARCHAR(64) NOT NULL, 
@@ -545,5 +546,5 @@ CREATE INDEX ix_attempts_leases ON attempts (owner_id) WHERE ended_at IS NULL;
 CREATE INDEX ix_found_failures_campaign ON found_failures (campaign_seq, number, place);
 CREATE INDEX ix_found_failures_group_seq ON found_failures (group_seq);
 CREATE INDEX ix_found_failures_run ON found_failures (run_seq);
-CREATE INDEX ix_found_failures_group ON found_failures (group_name, group_seq, accountability, campaign_seq, town, oracle, agent, at_fault, confirmation, batch_seq, found_at, configuration_id, is_counted);
+CREATE INDEX ix_found_failures_group ON found_failures (group_name, group_seq, accountability, campaign_seq, town, oracle, agent, at_fault, confirmation, batch_seq, found_at, configuration_id, is_counted, is_violation);
 COMMIT;

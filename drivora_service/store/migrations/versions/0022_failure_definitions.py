@@ -37,6 +37,7 @@ _GROUPED = (
     "found_at",
     "configuration_id",
     "is_counted",
+    "is_violation",
 )
 _ENDS = ("collision", "stuck", "route_deviation")
 _DEGREES = (
@@ -63,12 +64,13 @@ _RUNS = _table(
 _REPORTS = _table("reports", "run_seq", "body")
 _VERDICTS = _table("verdicts", "seq", "run_seq", "oracle", "outcome", "accountability", "facet")
 _FOUND = _table(
-    "found_failures", "seq", "run_seq", "campaign_seq", "place", "accountability", "is_counted"
-)
+    "found_failures", "seq", "run_seq", "campaign_seq", "number", "place", "accountability",
+    "is_counted", "is_violation",
+)  # fmt: skip
 _CAMPAIGNS = _table("campaigns", "seq", "batch_id", "document")
 _STUDIES = _table("studies", "seq", "document")
 _BATCHES = _table("batches", "seq", "id")
-_FAILURES = _table("failures", "campaign_seq", "number")
+_FAILURES = _table("failures", "campaign_seq", "number", "place", "oracle", "verdict")
 _FACETS = _table("facets", "key", *_FACET, "configuration_id", "failing", "runs")
 _BATCH_FACETS = _table("batch_facets", "batch_seq", "facet", "runs")
 
@@ -78,15 +80,17 @@ def upgrade() -> None:
     op.add_column("runs", sa.Column("definition", sa.Text(), server_default=empty, nullable=False))
     op.add_column("runs", sa.Column("failures", sa.Integer(), nullable=True))
     op.add_column("facets", sa.Column("failing", sa.Boolean(), nullable=True))
-    op.add_column(
-        "found_failures",
-        sa.Column("is_counted", sa.Boolean(), server_default=sa.true(), nullable=False),
-    )
+    for name in ("is_counted", "is_violation"):
+        op.add_column(
+            "found_failures",
+            sa.Column(name, sa.Boolean(), server_default=sa.true(), nullable=False),
+        )
     op.add_column("campaigns", sa.Column("preventable", sa.Integer(), nullable=True))
     connection = op.get_bind()
     _judge_again(connection)
     _count_failures(connection)
     _define_campaigns(connection)
+    _mark_what_only_campaigns_count(connection)
     _fill_facets(connection)
     op.drop_index("ix_found_failures_group", table_name="found_failures")
     op.create_index("ix_found_failures_group", "found_failures", list(_GROUPED))
@@ -194,6 +198,24 @@ def _define_campaigns(connection: sa.Connection) -> None:
         of_batch = _RUNS.update().where(_RUNS.c.batch_seq == batch)
         connection.execute(of_batch.values(definition=json.dumps(definition)))
         connection.execute(of_batch.where(_RUNS.c.status == "finished").values(failures=number))
+
+
+def _mark_what_only_campaigns_count(connection: sa.Connection) -> None:
+    """Marks observations, and what follows: campaigns keep these where they name the oracle."""
+    concerned = sa.or_(
+        _FAILURES.c.oracle == "destination", _FAILURES.c.verdict.like('%"observation"%')
+    )
+    key = _FAILURES.c.campaign_seq, _FAILURES.c.number, _FAILURES.c.place
+    rows = connection.execute(sa.select(*key, _FAILURES.c.verdict).where(concerned)).all()
+    for campaign_seq, number, place, text in rows:
+        verdict = json.loads(text)
+        if verdict.get("severity") == "observation" or _is_consequence(verdict):
+            same = _FOUND.update().where(
+                _FOUND.c.campaign_seq == campaign_seq,
+                _FOUND.c.number == number,
+                _FOUND.c.place == place,
+            )
+            connection.execute(same.values(is_violation=sa.false()))
 
 
 def _fill_facets(connection: sa.Connection) -> None:
