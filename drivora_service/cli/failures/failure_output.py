@@ -38,6 +38,13 @@ def print_counts(counts: FoundCounts) -> None:
     if counts.preventable:
         parts.append(f"{counts.preventable} not at fault, but avoidable")
     typer.echo(f"{counts.failures} failures{runs}; {', '.join(parts)}")
+    if counts.agent_failed_runs:
+        number = counts.agent_failed_runs
+        typer.echo(
+            f"and {number} run{'' if number == 1 else 's'} in which the ADS failed, which "
+            f"{'is a failure, too; it is' if number == 1 else 'are failures, too; they are'} "
+            "not listed here"
+        )
     if counts.definition is not None:
         typer.echo(f"failures are {counts.definition.words}")
     else:

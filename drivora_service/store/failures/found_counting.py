@@ -16,11 +16,15 @@ from drivora_service.oracles.verdicts.failure_definition import (
     definition_of_document,
     state_definition,
 )
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.shapes import Shape
 from drivora_service.store.campaigns.campaign_tables import CampaignRow, StudyRow
 from drivora_service.store.failures.failure_queries import conditions_of
 from drivora_service.store.failures.failure_records import FoundFilter
 from drivora_service.store.failures.failure_tables import FoundRow
+from drivora_service.store.runs.facet_tables import BatchFacetRow, FacetRow
+from drivora_service.store.runs.run_records import JobFilter
+from drivora_service.store.runs.run_scope import facet_conditions
 from drivora_service.store.runs.run_tables import BatchRow, RunRow
 
 _MOST_DEFINITIONS = 100
@@ -37,6 +41,9 @@ class FoundCounts(Shape):
         preventable: Those at the fault of others that a careful driver of the ego avoids.
         runs: Runs, and evaluations of campaigns, with one of them; null unless the filter names a
             batch, a campaign or a study.
+        agent_failed_runs: Runs outside campaigns in which the ADS itself failed: failures that are
+            no violations, and neither listed nor counted in `failures`; null if the filter asks for
+            more than batch, ADS and network.
         definition: What they count; null if each run and campaign has its own, or the filter
             chooses by accountability or fault.
     """
@@ -45,6 +52,7 @@ class FoundCounts(Shape):
     avoidable: int
     preventable: int
     runs: int | None
+    agent_failed_runs: int | None
     definition: StatedDefinition | None
 
 
@@ -53,7 +61,14 @@ def count_found(session: Session, wanted: FoundFilter) -> FoundCounts:
     definition = _definition(session, wanted)
     conditions = conditions_of(session, wanted)
     if conditions is None:
-        return FoundCounts(failures=0, avoidable=0, preventable=0, runs=0, definition=definition)
+        return FoundCounts(
+            failures=0,
+            avoidable=0,
+            preventable=0,
+            runs=0,
+            agent_failed_runs=None,
+            definition=definition,
+        )
     degrees = (Accountability.AVOIDABLE, Accountability.PREVENTABLE)
     of_degrees = [
         func.coalesce(func.sum(case((FoundRow.accountability == degree, 1), else_=0)), 0)
@@ -72,8 +87,41 @@ def count_found(session: Session, wanted: FoundFilter) -> FoundCounts:
         avoidable=avoidable,
         preventable=preventable,
         runs=runs,
+        agent_failed_runs=_count_agent_failed(session, wanted),
         definition=definition,
     )
+
+
+def _count_agent_failed(session: Session, wanted: FoundFilter) -> int | None:
+    # Filters by anything else choose among violations, or cannot be answered by counters.
+    answered = FoundFilter(
+        batch_id=wanted.batch_id,
+        agent=wanted.agent,
+        configuration_id=wanted.configuration_id,
+        town=wanted.town,
+        counts=wanted.counts,
+    )
+    if wanted != answered:
+        return None
+    failed = JobFilter(
+        statuses=frozenset({RunStatus.AGENT_FAILED}),
+        agent=wanted.agent,
+        configuration_id=wanted.configuration_id,
+        town=wanted.town,
+        # A definition that is asked for knows no failures that do not count.
+        failing=True if wanted.counts is None else None,
+    )
+    of_campaigns = select(CampaignRow.batch_id).where(CampaignRow.batch_id != "")
+    of_batch = (
+        BatchRow.id == wanted.batch_id if wanted.batch_id else BatchRow.id.not_in(of_campaigns)
+    )
+    query = (
+        select(func.coalesce(func.sum(BatchFacetRow.runs), 0))
+        .join(FacetRow, FacetRow.key == BatchFacetRow.facet)
+        .join(BatchRow, BatchRow.seq == BatchFacetRow.batch_seq)
+        .where(*facet_conditions(failed), of_batch)
+    )
+    return session.scalar(query)
 
 
 def _definition(session: Session, wanted: FoundFilter) -> StatedDefinition | None:
