@@ -154,7 +154,8 @@ def list_batches(
 def get_batch(request: Request, context: Context, batch_id: str) -> Response:
     """Returns a batch with its progress."""
     with context.database.read() as transaction:
-        batch = batch_of(transaction.batches.get(batch_id), PREFIX)
+        found = transaction.batches.get(batch_id)
+        batch = batch_of(found, PREFIX, transaction.batches.definition(batch_id))
     response = json_answer(request, Batch, batch)
     if not batch.done:
         response.headers["Retry-After"] = _POLL_AFTER_S

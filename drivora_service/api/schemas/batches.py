@@ -11,7 +11,11 @@ from pydantic import Field
 from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.problems import ProblemItem
 from drivora_service.campaigns.document.campaign_documents import OracleNames
-from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
+from drivora_service.oracles.verdicts.failure_definition import (
+    Counted,
+    FailureDefinition,
+    StatedDefinition,
+)
 from drivora_service.scenario import fields
 from drivora_service.shapes import Shape, combine
 from drivora_service.store.runs import run_records
@@ -59,9 +63,11 @@ class Batch(run_records.Batch):
 
     Attributes:
         jobs_url: Address of its jobs.
+        definition: What `failing_runs` counts; null in lists and in answers to commands.
     """
 
     jobs_url: str
+    definition: StatedDefinition | None = None
 
 
 class ItemResult(StrEnum):
@@ -100,6 +106,14 @@ class BatchSubmission(Shape):
     items: tuple[BatchItem, ...]
 
 
-def batch_of(batch: run_records.Batch, base: str) -> Batch:
-    """Returns a batch with the address of its jobs; ``base`` is the address of the API."""
-    return combine(Batch, batch, jobs_url=f"{base}/jobs?batch={batch.id}")
+def batch_of(
+    batch: run_records.Batch, base: str, definition: StatedDefinition | None = None
+) -> Batch:
+    """Returns a batch with the address of its jobs.
+
+    Args:
+        batch: The batch.
+        base: Address of the API.
+        definition: What counts as a failure of its runs; ``None`` where that is not read.
+    """
+    return combine(Batch, batch, jobs_url=f"{base}/jobs?batch={batch.id}", definition=definition)

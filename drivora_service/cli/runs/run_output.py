@@ -114,6 +114,7 @@ def print_result(result: ScenarioResult, *, where: str = "") -> None:
         )
         columns = ("oracle", "ego", "outcome", "at fault", "time (s)", "message")
         print_table("Verdicts", columns, rows, wrap=("message",))
+    _print_failures(run)
     if run.metrics:
         metrics = ((name, number(value, 3)) for name, value in run.metrics.items())
         print_table("Metrics", ("metric", "value"), metrics)
@@ -126,6 +127,21 @@ def print_result(result: ScenarioResult, *, where: str = "") -> None:
         print(f"Trace: {result.trace}  (draw it: drivora plot {result.trace})")
     elif run.trace_sha256:
         print(f"Draw it: drivora plot {run.id} {where}".rstrip())
+
+
+def _print_failures(run: Run) -> None:
+    """Prints which verdicts of a run are failures, and by which definition."""
+    if run.failures is None:
+        return
+    counted = [run.verdicts[place] for place in run.failing_verdicts]
+    named = [
+        f"{one.oracle} of {one.ego}" + ("" if one.time is None else f" at {number(one.time)} s")
+        for one in counted
+    ]
+    if run.status is RunStatus.AGENT_FAILED and run.failures:
+        named.append("the ADS itself failed")
+    print(f"Failures: {run.failures}" + (f" ({'; '.join(named)})" if named else ""))
+    print(f"Failures are {run.definition.words}")
 
 
 def print_runs(runs: Sequence[RunSummary]) -> None:

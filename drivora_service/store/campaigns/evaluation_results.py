@@ -92,7 +92,8 @@ def evaluation_results(
             "seed": seeds.get(row.document_sha256 or ""),
         }
         if _passes(values, short, wanted.runs):
-            found.append(StoredResult(values=values, report=report))
+            definition = definition_of_document(campaign.document)
+            found.append(StoredResult(values=values, report=report, definition=definition))
     if len(rows) < limit:
         return found, None
     return found, EvaluationPlace(rows[-1].campaign_seq, rows[-1].number)

@@ -12,7 +12,6 @@ from drivora_service.oracles.verdicts.failure_definition import (
     DefinitionOrigin,
     FailureDefinition,
     StatedDefinition,
-    definition_from_json,
     definition_of_document,
     state_definition,
 )
@@ -22,13 +21,11 @@ from drivora_service.store.campaigns.campaign_tables import CampaignRow, StudyRo
 from drivora_service.store.failures.failure_queries import conditions_of
 from drivora_service.store.failures.failure_records import FoundFilter
 from drivora_service.store.failures.failure_tables import FoundRow
+from drivora_service.store.runs.batch_definitions import definition_of_batch
 from drivora_service.store.runs.facet_tables import BatchFacetRow, FacetRow
 from drivora_service.store.runs.run_records import JobFilter
 from drivora_service.store.runs.run_scope import facet_conditions
-from drivora_service.store.runs.run_tables import BatchRow, RunRow
-
-_MOST_DEFINITIONS = 100
-"""Different definitions of the runs of a batch that are looked at."""
+from drivora_service.store.runs.run_tables import BatchRow
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,15 +128,7 @@ def _definition(session: Session, wanted: FoundFilter) -> StatedDefinition | Non
     if wanted.accountability is not None or wanted.at_fault is not None:
         return None
     if wanted.batch_id:
-        query = (
-            select(RunRow.definition)
-            .join(BatchRow, BatchRow.seq == RunRow.batch_seq)
-            .where(BatchRow.id == wanted.batch_id)
-            .distinct()
-            .order_by(RunRow.definition)
-            .limit(_MOST_DEFINITIONS)
-        )
-        return state_definition(map(definition_from_json, session.scalars(query)))
+        return definition_of_batch(session, wanted.batch_id)
     for chosen, table in ((wanted.campaign_id, CampaignRow), (wanted.study_id, StudyRow)):
         if chosen:
             documents = session.scalars(select(table.document).where(table.id == chosen))

@@ -10,12 +10,14 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import Conflict, UnknownName
+from drivora_service.oracles.verdicts.failure_definition import StatedDefinition
 from drivora_service.runs.run_report import UNFINISHED, RunStatus
 from drivora_service.shapes import combine
 from drivora_service.store.engine.ids import new_id
 from drivora_service.store.engine.merging import Branch, first_numbers
 from drivora_service.store.engine.paging import make_token, read_token
 from drivora_service.store.queue.cancelling import cancel_runs
+from drivora_service.store.runs.batch_definitions import definition_of_batch
 from drivora_service.store.runs.facet_tables import BatchFacetRow, FacetRow
 from drivora_service.store.runs.run_records import Batch, BatchState, Page, Priority
 from drivora_service.store.runs.run_tables import BatchRow, RunRow
@@ -119,6 +121,10 @@ class BatchRepository:
             select(BatchRow).where(number.in_(numbers[:limit])).order_by(number.desc())
         ).all()
         return Page(items=tuple(self._records(rows)), next_page_token=more)
+
+    def definition(self, batch_id: str) -> StatedDefinition:
+        """Returns what counts as a failure of the runs of a batch; it reads all of them."""
+        return definition_of_batch(self._session, batch_id)
 
     def pause(self, batch_id: str) -> Batch:
         """Holds back the queued runs of a batch; running ones are not affected.

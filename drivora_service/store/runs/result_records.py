@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.store.runs.run_records import JobFilter
 
 
@@ -42,10 +43,12 @@ class StoredResult:
         values: What is known of the run besides its report, by column of the table ``runs``; text
             that there is none of is empty or ``None``.
         report: The report as plain JSON values; empty until the run has ended.
+        definition: What counts as a failure of the run.
     """
 
     values: Mapping[str, Any]
     report: Mapping[str, Any]
+    definition: FailureDefinition
 
 
 @dataclass(frozen=True, slots=True, order=True)

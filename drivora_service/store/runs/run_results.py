@@ -14,6 +14,7 @@ from sqlalchemy import ColumnElement, or_, select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import UnknownName
+from drivora_service.oracles.verdicts.failure_definition import definition_from_json
 from drivora_service.store.campaigns.campaign_tables import CampaignRow, StudyRow
 from drivora_service.store.campaigns.evaluation_results import evaluation_results
 from drivora_service.store.runs.facet_tables import FacetRow
@@ -83,7 +84,7 @@ class ResultRepository:
         """
         rows = self._session.execute(
             run_query()
-            .add_columns(ReportRow.body.label("report"))
+            .add_columns(ReportRow.body.label("report"), RunRow.definition)
             .outerjoin(ReportRow, ReportRow.run_seq == RunRow.seq)
             .where(RunRow.seq.in_(numbers))
             .order_by(RunRow.seq)
@@ -95,7 +96,7 @@ class ResultRepository:
         for row in rows:
             campaign = campaigns.get(row.batch_id)
             summary = row._asdict()
-            report = summary.pop("report")
+            report, definition = summary.pop("report"), summary.pop("definition")
             values = {
                 **summary,
                 **campaign_columns(campaign, row.item),
@@ -105,7 +106,11 @@ class ResultRepository:
                 "seed": seeds.get(row.scenario_sha256) if row.seed is None else row.seed,
             }
             found.append(
-                StoredResult(values=values, report={} if report is None else from_json(report))
+                StoredResult(
+                    values=values,
+                    report={} if report is None else from_json(report),
+                    definition=definition_from_json(definition),
+                )
             )
         return found
 

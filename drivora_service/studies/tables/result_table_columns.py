@@ -108,6 +108,12 @@ _RUNS = (
         _COUNT,
         "failures by what was defined for the run; null if it says nothing about its ADS",
     ),
+    _column("counts", _TEXT, "the violations that `failures` counts: `counts` of the definition"),
+    _or_null(
+        "oracles",
+        _TEXT,
+        "the only oracles that it counts, joined by commas; null: all but observations",
+    ),
     _or_null("accountability", _TEXT, "the strongest of its violations; null without one"),
     _or_null("steps", _COUNT, "rows of the trace; null unless finished"),
     _or_null("sim_time_s", _REAL, "simulated time; null unless finished", unit="s"),
@@ -149,6 +155,14 @@ _VERDICTS = (
         "whether braking or steering at full grip without delay avoids it; likewise",
     ),
     _or_null("accountability", _TEXT, "of the ego for the violation; null unless violated"),
+    _or_null(
+        "follows", _TEXT, "the oracle from whose violation this one only follows; null if from none"
+    ),
+    _or_null(
+        "counted",
+        _FLAG,
+        "whether it is a failure by what was defined for the run; null unless violated",
+    ),
     _or_null("time_s", _REAL, "simulated time at which the violation began", unit="s"),
     _or_null("step", _COUNT, "row of the trace at that time"),
     _or_null("x", _REAL, "where it began, east", unit="m"),

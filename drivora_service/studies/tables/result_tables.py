@@ -7,8 +7,11 @@ from typing import Any
 
 from pydantic_core import to_json
 
-from drivora_service.oracles.verdict import Answer, Outcome, Severity
+from drivora_service.oracles.verdict import Answer, Outcome, Severity, Verdict
 from drivora_service.oracles.verdicts.accountability import accountable
+from drivora_service.oracles.verdicts.failure_facts import followed_oracle
+from drivora_service.runs.run_report import RunStatus
+from drivora_service.shapes import read_all
 from drivora_service.store.database import Database
 from drivora_service.store.engine.chunks import batched
 from drivora_service.store.runs.result_records import EvaluationPlace, ResultFilter, StoredResult
@@ -86,6 +89,8 @@ def _run_rows(result: StoredResult) -> Iterator[Row]:
     yield {
         # Empty text says that there is none, as null does; a CSV file cannot tell them apart.
         **{name: None if value == "" else value for name, value in result.values.items()},
+        "counts": result.definition.counts,
+        "oracles": _listed(result.definition.oracles),
         "error": (report.get("failure") or {}).get("message") or None,
         # A run without steps has no mean of them.
         "step_cost_us": report.get("step_cost_us") if report.get("steps") else None,
@@ -101,10 +106,14 @@ def _run(result: StoredResult) -> Row:
 
 
 def _verdict_rows(result: StoredResult) -> Iterator[Row]:
-    of = _run(result)
-    for place, told in enumerate(result.report.get("verdicts") or ()):
+    of, report = _run(result), result.report
+    is_finished = report.get("status") == RunStatus.FINISHED
+    agents = {ego: agent["name"] for ego, agent in (report.get("agents") or {}).items()}
+    for place, told in enumerate(report.get("verdicts") or ()):
         verdict = {**_UNSAID, **told}
         is_violated = verdict["outcome"] == Outcome.VIOLATED
+        # Few verdicts are violations, so that the others need not be read as values.
+        (violation,) = read_all(Verdict, [told]) if is_violated else (None,)
         x, y = verdict["location"] or (None, None)
         yield {
             **verdict,
@@ -112,6 +121,10 @@ def _verdict_rows(result: StoredResult) -> Iterator[Row]:
             "place": place,
             "severity": verdict["severity"] if is_violated else None,
             "accountability": _accountability(verdict) if is_violated else None,
+            "follows": None if violation is None else followed_oracle(violation) or None,
+            "counted": None
+            if violation is None
+            else is_finished and result.definition.is_failure(violation, agents),
             "time_s": verdict["time"],
             "x": x,
             "y": y,
@@ -162,6 +175,10 @@ def _accountability(verdict: Mapping[str, Any]) -> str:
         None if avoidable is None else Answer(avoidable),
         undetermined=verdict["undetermined"],
     )
+
+
+def _listed(names: Sequence[str] | None) -> str | None:
+    return None if names is None else ",".join(names)
 
 
 def _json(values: Mapping[str, Any]) -> str:

@@ -10,6 +10,12 @@ from drivora_service.api.schemas.runs import Run
 from drivora_service.cli.runs.run_output import ScenarioResult, print_result, summary
 from drivora_service.oracles.verdict import Answer, Outcome, Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability, accountability
+from drivora_service.oracles.verdicts.failure_definition import (
+    Counted,
+    FailureDefinition,
+    StatedDefinition,
+    state_definition,
+)
 from drivora_service.oracles.verdicts.verdict_json import verdict_content
 from drivora_service.shapes import adapter
 from tests.client.examples import JOB
@@ -31,7 +37,7 @@ def collision(**changes: Any) -> Verdict:
     )
 
 
-def run_with(*verdicts: Verdict) -> Run:
+def run_with(*verdicts: Verdict, **changes: Any) -> Run:
     content = {
         **JOB,
         "status": "finished",
@@ -39,6 +45,7 @@ def run_with(*verdicts: Verdict) -> Run:
         "observations_url": "",
         "scenario_url": "",
         "violations": 1,
+        **changes,
     }
     run: Run = adapter(Run).validate_python(content)
     return run
@@ -70,3 +77,25 @@ def test_what_follows_is_counted_apart_and_names_its_cause(
     assert summary(run) == "collision (at fault); 1 that follows"
     print_result(ScenarioResult(scenario="a", run=run))
     assert "(follows from collision)" in " ".join(capsys.readouterr().out.split())
+
+
+def test_the_failures_and_what_counts_are_named(capsys: pytest.CaptureFixture[str]) -> None:
+    definition = state_definition((FailureDefinition(counts=Counted.AT_FAULT),))
+    words = adapter(StatedDefinition).dump_python(definition, mode="json")
+    run = run_with(
+        collision(at_fault=False),
+        collision(at_fault=True, time=3.25),
+        failures=1,
+        failing_verdicts=[1],
+        definition=words,
+    )
+    print_result(ScenarioResult(scenario="a", run=run))
+    shown = capsys.readouterr().out
+    assert "\nFailures: 1 (collision of ego at 3.2 s)\n" in shown
+    assert f"\nFailures are {definition.words}\n" in shown
+
+
+def test_an_ads_that_failed_is_named_as_a_failure(capsys: pytest.CaptureFixture[str]) -> None:
+    run = run_with(status="agent_failed", failures=1)
+    print_result(ScenarioResult(scenario="a", run=run))
+    assert "\nFailures: 1 (the ADS itself failed)\n" in capsys.readouterr().out

@@ -10,7 +10,7 @@ import sqlite3
 import tracemalloc
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -23,17 +23,25 @@ import pytest
 from benchmarks.million_fill import fill_runs
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.errors import UnknownName
-from drivora_service.oracles.verdict import Outcome
+from drivora_service.oracles.verdict import Outcome, Severity, Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability
-from drivora_service.runs.run_report import RunStatus
+from drivora_service.oracles.verdicts.failure_definition import (
+    Counted,
+    FailureDefinition,
+    KnownFailure,
+    definition_to_json,
+)
+from drivora_service.runs.run_report import RunReport, RunStatus
+from drivora_service.scenario.model import AgentChoice
 from drivora_service.store.database import open_database
 from drivora_service.store.runs.result_records import ResultFilter
-from drivora_service.store.runs.run_records import JobFilter
+from drivora_service.store.runs.run_records import JobFilter, RunOptions
 from drivora_service.studies.table_names import ResultTableName, TableForm
 from drivora_service.studies.tables import result_tables, table_forms
 from drivora_service.studies.tables.result_table_columns import COLUMNS
 from drivora_service.studies.tables.result_tables import result_table
 from drivora_service.studies.tables.table_forms import table_chunks
+from tests.store.samples import claim, ended, finish, new_run, register
 from tests.studies.result_world import ODD_LABELS, ODD_NUMBERS, World, held, result_world
 
 Row = dict[str, Any]
@@ -158,6 +166,60 @@ def test_verdicts_are_those_of_the_reports(world: World, runs: dict[str, Row]) -
             assert row["severity"] == (verdict["severity"] if is_violated else None)
             assert row["accountability"] == (accountable(verdict) if is_violated else None)
     assert next(found, None) is None
+
+
+def test_tables_say_what_their_failures_are(tmp_path: Path) -> None:
+    """Of runs with verdicts of which each definition counts others."""
+    database = open_database(f"sqlite:///{tmp_path}/drivora.sqlite3")
+    known = KnownFailure(oracle="red_light", agents=("idm",))
+    definitions = (
+        FailureDefinition(),
+        FailureDefinition(counts=Counted.ANY, known=(known,)),
+        FailureDefinition(oracles=("destination", "near_miss")),
+    )
+    violated = Verdict(
+        oracle="collision", ego="ego", outcome=Outcome.VIOLATED, message="", at_fault=True
+    )
+    verdicts = (
+        replace(violated, outcome=Outcome.PASSED),
+        violated,
+        replace(violated, oracle="near_miss", severity=Severity.OBSERVATION),
+        replace(violated, oracle="destination", follows="collision"),
+        replace(violated, oracle="red_light", at_fault=False),
+    )
+    with database.write() as transaction:
+        options = [RunOptions(definition=definition_to_json(one)) for one in definitions]
+        ids = transaction.jobs.submit([new_run("{}", options=one) for one in options])
+    owner = register(database)
+    claim(database, owner, len(ids))
+    agents = {"ego": AgentChoice(name="idm")}
+    for run_id in ids:
+        report = RunReport(
+            run_id=run_id, status=RunStatus.FINISHED, verdicts=verdicts, agents=agents
+        )
+        finish(database, owner, ended(report))
+
+    def table(name: ResultTableName) -> list[Row]:
+        content = table_chunks(result_table(database, name, EVERYTHING), TableForm.JSON)
+        columns: dict[str, list[Any]] = json.loads(b"".join(content))["columns"]
+        rows = zip(*columns.values(), strict=True)
+        return [dict(zip(columns, row, strict=True)) for row in rows]
+
+    runs = {row["run_id"]: row for row in table(ResultTableName.RUNS)}
+    assert [(runs[one]["failures"], runs[one]["counts"], runs[one]["oracles"]) for one in ids] == [
+        (1, "accountable", None),
+        (1, "any", None),
+        (2, "accountable", "destination,near_miss"),
+    ]
+    found = table(ResultTableName.VERDICTS)
+    counted = [[row["counted"] for row in found if row["run_id"] == one] for one in ids]
+    assert counted == [
+        [None, True, False, False, False],
+        [None, True, False, False, False],
+        [None, False, True, True, False],
+    ]
+    assert [row["follows"] for row in found[:5]] == [None, None, None, "collision", None]
+    database.close()
 
 
 def accountable(verdict: Row) -> str:
