@@ -142,6 +142,45 @@ def test_problems_of_a_scenario_with_a_label_are_found_in_what_was_posted(
     assert {p["pointer"] for p in refused["problems"]} == {f"/0{place}" for place in inside}
 
 
+@FORMS
+def test_an_unknown_oracle_of_known_failures_is_refused_with_the_choices(
+    offline: Offline, scenario: dict[str, Any], form: str
+) -> None:
+    names = ("agent_failed", "collision", "nosuch", None)
+    known = [{"reason": "issue 1"} | ({"oracle": name} if name else {}) for name in names]
+    items = [
+        {**labelled(scenario), "failures": {"known": known}},
+        {**labelled(scenario), "failures": {"known": [known[0], known[1], known[3]]}},
+    ]
+    refused, accepted = post(offline, items, form).json()["items"]
+    assert accepted["result"] == "accepted"
+    (problem,) = refused["problems"]
+    assert (problem["pointer"], problem["code"]) == (
+        "/failures/known/2/oracle",
+        "unknown_oracle",
+    )
+    assert "unknown oracle 'nosuch'; known: agent_failed, " in problem["message"]
+    assert "collision" in problem["message"]
+
+
+def test_a_batch_names_what_its_failing_runs_count(
+    offline: Offline, scenario: dict[str, Any]
+) -> None:
+    def definition(items: list[Any], query: str = "") -> dict[str, Any]:
+        posted = post(offline, items, "list", query)
+        found: dict[str, Any] = offline.client.get(posted.headers["Location"]).json()["definition"]
+        return found
+
+    assert definition([scenario])["origin"] == "default"
+    assert definition([scenario], "?counts=any")["counts"] == "any"
+    own = {**labelled(scenario), "failures": {"oracles": ["near_miss"]}}
+    both = definition([scenario, own])
+    assert (both["definitions"], both["origin"]) == (2, "posted")
+    assert "near miss" in both["words"]
+    (listed, *_) = offline.client.get("/api/v1/batches").json()["items"]
+    assert listed["definition"] is None
+
+
 def test_a_repeated_key_in_a_line_with_a_label_is_named(
     offline: Offline, scenario: dict[str, Any]
 ) -> None:

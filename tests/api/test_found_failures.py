@@ -168,3 +168,12 @@ def test_decisions_that_cannot_be_read_are_refused(
     offline: Offline, action: str, body: Json
 ) -> None:
     is_problem(offline.client.post(f"{FAILURES}/groups{action}", json=body), 422)
+
+
+@pytest.mark.parametrize("path", [FAILURES, f"{FAILURES}:counts", f"{FAILURES}/groups"])
+def test_an_unknown_oracle_is_answered_with_the_choices(offline: Offline, path: str) -> None:
+    answer = offline.client.get(path, params={"oracle": "nosuch"})
+    assert is_problem(answer, 404)
+    assert "unknown oracle 'nosuch'" in answer.text
+    assert "near_miss" in answer.text
+    assert offline.client.get(path, params={"oracle": "near_miss"}).status_code == 200

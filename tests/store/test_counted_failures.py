@@ -102,6 +102,8 @@ def test_a_group_of_what_only_runs_count_is_shown(database: Database) -> None:
     with database.read() as transaction:
         (group,) = transaction.groups.page().items
         assert transaction.groups.get(group.id) == group
+        assert transaction.found.has_oracle("tailgating")
+        assert not transaction.found.has_oracle("nosuch")
 
 
 def test_runs_in_which_the_ads_failed_are_counted_beside(database: Database) -> None:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Depends, Query
 from pydantic import AwareDatetime
 
 from drivora_service.api.answers.query_parameters import Configuration
+from drivora_service.errors import UnknownName
 from drivora_service.oracles.verdicts.accountability import Accountability
 from drivora_service.oracles.verdicts.failure_definition import Counted
 from drivora_service.store.campaigns.campaign_records import Confirmation
 from drivora_service.store.failures.failure_records import FoundFilter
+
+if TYPE_CHECKING:
+    from drivora_service.api.context import ApiContext
+    from drivora_service.store.database import Transaction
 
 
 async def _found_filter(
@@ -64,6 +69,19 @@ async def _found_filter(
         since=since,
         until=until,
     )
+
+
+def check_oracle(context: ApiContext, transaction: Transaction, wanted: FoundFilter) -> None:
+    """Checks the oracle of a filter.
+
+    Raises:
+        UnknownName: There is none of this name, and there is no failure of one that was removed.
+    """
+    if not wanted.oracle:
+        return
+    known = context.oracles.names()
+    if wanted.oracle not in known and not transaction.found.has_oracle(wanted.oracle):
+        raise UnknownName("oracle", wanted.oracle, tuple(known))
 
 
 FoundFailures = Annotated[FoundFilter, Depends(_found_filter)]

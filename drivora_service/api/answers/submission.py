@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from drivora_service.api.answers.catalogue_lookups import KnownAgents, KnownNetworks
 from drivora_service.api.context import ApiContext
 from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.scenario.agent_parameters import AgentParameter, with_agent_parameters
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.scenario.overrides import with_overrides
@@ -84,7 +85,7 @@ def check_overrides(context: ApiContext, overrides: Overrides) -> None:
 
 
 def check_definition(context: ApiContext, definition: FailureDefinition, pointer: str = "") -> None:
-    """Checks the oracles that a definition of failures names.
+    """Checks the oracles that a definition of failures names, also as known failures.
 
     Args:
         context: The service.
@@ -95,17 +96,28 @@ def check_definition(context: ApiContext, definition: FailureDefinition, pointer
         InvalidDocument: There is no such oracle.
     """
     known = context.oracles.names()
-    problems = tuple(
-        Problem(
-            pointer=f"{pointer}/oracles/{place}" if pointer else "",
-            code="unknown_oracle",
-            message=f"unknown oracle {name[:80]!r}; known: {', '.join(known)}",
-        )
+    problems = [
+        _unknown_oracle(name, known, f"{pointer}/oracles/{place}" if pointer else "")
         for place, name in enumerate(definition.oracles or ())
         if name not in known
-    )
+    ]
+    # The ADS itself may fail, which no oracle finds; "" is any.
+    of_known = (str(RunStatus.AGENT_FAILED), *known)
+    problems += [
+        _unknown_oracle(one.oracle, of_known, f"{pointer}/known/{place}/oracle" if pointer else "")
+        for place, one in enumerate(definition.known)
+        if one.oracle not in ("", *of_known)
+    ]
     if problems:
-        raise InvalidDocument(problems)
+        raise InvalidDocument(tuple(problems))
+
+
+def _unknown_oracle(name: str, known: Sequence[str], pointer: str) -> Problem:
+    return Problem(
+        pointer=pointer,
+        code="unknown_oracle",
+        message=f"unknown oracle {name[:80]!r}; known: {', '.join(known)}",
+    )
 
 
 def new_run(

@@ -7,7 +7,7 @@ from urllib.parse import urlencode
 
 from fastapi import Depends, Query, Request, Response
 
-from drivora_service.api.answers.failure_filter import FoundFailures
+from drivora_service.api.answers.failure_filter import FoundFailures, check_oracle
 from drivora_service.api.answers.query_parameters import Limit, PageToken
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import recorded_examples
@@ -51,7 +51,7 @@ _PART = {"failures": [4, 7], "label": "at the bend", "by": "Ada"}
 @router.get(
     "/failures/groups",
     response_model=Page[FailureGroup],
-    responses=answers(recorded_examples.FAILURE_GROUPS, 401, 403, 422),
+    responses=answers(recorded_examples.FAILURE_GROUPS, 401, 403, 404, 422),
     dependencies=[Depends(reader)],
 )
 def list_groups(
@@ -79,6 +79,7 @@ def list_groups(
 ) -> Response:
     """Lists the groups of the failures that pass the filters, the last seen first."""
     with context.database.read() as transaction:
+        check_oracle(context, transaction, wanted)
         page = transaction.groups.page(
             GroupFilter(
                 failures=wanted,

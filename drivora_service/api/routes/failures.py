@@ -6,7 +6,7 @@ from typing import Annotated
 
 from fastapi import Depends, Path, Request, Response
 
-from drivora_service.api.answers.failure_filter import FoundFailures
+from drivora_service.api.answers.failure_filter import FoundFailures, check_oracle
 from drivora_service.api.answers.query_parameters import Limit, PageToken
 from drivora_service.api.context import Context
 from drivora_service.api.documentation import recorded_examples
@@ -25,7 +25,7 @@ router = resource_router("failures", Depends(reader))
 @router.get(
     "/failures",
     response_model=Page[FoundFailure],
-    responses=answers(recorded_examples.FOUND_FAILURES, 401, 403, 422),
+    responses=answers(recorded_examples.FOUND_FAILURES, 401, 403, 404, 422),
 )
 def list_failures(
     request: Request,
@@ -36,6 +36,7 @@ def list_failures(
 ) -> Response:
     """Lists the failures of all campaigns and batches, the last found first."""
     with context.database.read() as transaction:
+        check_oracle(context, transaction, wanted)
         page = transaction.found.page(wanted, limit=limit, page_token=page_token)
     items = tuple(found_failure_of(failure, PREFIX) for failure in page.items)
     body = Page(items=items, next_page_token=page.next_page_token)
@@ -45,11 +46,12 @@ def list_failures(
 @router.get(
     "/failures:counts",
     response_model=FoundCounts,
-    responses=answers(recorded_examples.FOUND_COUNTS, 401, 403, 422),
+    responses=answers(recorded_examples.FOUND_COUNTS, 401, 403, 404, 422),
 )
 def count_failures(request: Request, context: Context, wanted: FoundFailures) -> Response:
     """Returns the numbers of the failures that pass a filter, and what they count."""
     with context.database.read() as transaction:
+        check_oracle(context, transaction, wanted)
         counts = transaction.found.counts(wanted)
     return json_answer(request, FoundCounts, counts)
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.failures.failure_filters import check_owners, make_filter
 from drivora_service.cli.terminal.options import (
     ConfigurationOption,
     CountsOption,
     DataDirOption,
     ServerOption,
     parse_choice,
-    parse_counts,
 )
 from drivora_service.cli.terminal.output import JsonOption, fail, print_shape
 
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     from drivora_service.api.schemas.failure_groups import FailureGroup
     from drivora_service.client import Client
-    from drivora_service.oracles.verdicts.accountability import Accountability
-    from drivora_service.store.failures.failure_records import FoundFilter
 
 app = typer.Typer(
     help="Failures of all campaigns and batches, and what was decided about them.",
@@ -68,12 +66,13 @@ def list_failures(
     as_json: JsonOption = False,
 ) -> None:
     """Lists failures, the last found first."""
-    wanted = _make_filter(
+    wanted = make_filter(
         group, oracle, agent, configuration, town, accountability, campaign, study, batch, counts
     )
     with open_client(server, data_dir) as client:
         from drivora_service.api.schemas.failures import FoundFailure
 
+        check_owners(client, wanted)
         failures = tuple(client.found_failures(wanted, limit=limit))
         found = client.found_counts(wanted)
     if as_json:
@@ -127,7 +126,7 @@ def groups(
     from drivora_service.errors import InvalidDocument
     from drivora_service.store.failures.group_records import GroupStatus, SinceBaseline
 
-    wanted = _make_filter(
+    wanted = make_filter(
         "", oracle, agent, configuration, town, accountability, campaign, study, batch, counts
     )
     statuses = tuple(parse_choice(GroupStatus, one, "--status") for one in status or ())
@@ -139,6 +138,7 @@ def groups(
     with open_client(server, data_dir) as client:
         from drivora_service.api.schemas.failure_groups import FailureGroup
 
+        check_owners(client, wanted)
         listing = client.failure_groups(
             wanted,
             statuses=statuses,
@@ -297,40 +297,6 @@ def _write(
         from drivora_service.cli.failures.failure_output import print_groups
 
         print_groups((found,))
-
-
-def _make_filter(
-    group: str,
-    oracle: str,
-    agent: str,
-    configuration: str,
-    town: str,
-    accountability: str,
-    campaign: str,
-    study: str,
-    batch: str,
-    counts: str | None,
-) -> FoundFilter:
-    from drivora_service.store.failures.failure_records import FoundFilter
-
-    return FoundFilter(
-        group=group,
-        oracle=oracle,
-        agent=agent,
-        configuration_id=configuration,
-        town=town,
-        accountability=_accountability(accountability),
-        campaign_id=campaign,
-        study_id=study,
-        batch_id=batch,
-        counts=parse_counts(counts),
-    )
-
-
-def _accountability(word: str) -> Accountability | None:
-    from drivora_service.oracles.verdicts.accountability import Accountability
-
-    return parse_choice(Accountability, word, "--accountability") if word else None
 
 
 def _user() -> str:

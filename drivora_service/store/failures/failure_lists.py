@@ -60,6 +60,11 @@ class FoundRepository:
             raise UnknownName("failure", str(failure_id), ())
         return found[failure_id]
 
+    def has_oracle(self, oracle: str) -> bool:
+        """Returns whether there is a failure of an oracle, which may be removed by now."""
+        query = select(FoundRow.seq).where(FoundRow.oracle == oracle).limit(1)
+        return self._session.scalar(query) is not None
+
     def counts(self, wanted: FoundFilter) -> FoundCounts:
         """Returns the numbers of the failures that pass a filter, and what they count."""
         return count_found(self._session, wanted)

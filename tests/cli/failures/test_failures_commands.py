@@ -9,6 +9,9 @@ from typing import Any
 
 import pytest
 
+from drivora_service.cli.failures.failure_output import print_counts
+from drivora_service.oracles.verdicts.failure_definition import state_definition
+from drivora_service.store.failures.found_counting import FoundCounts
 from tests.api.test_found_failures import crash
 from tests.cli.conftest import Drivora
 
@@ -141,3 +144,27 @@ def test_failures_of_one_agent_with_other_parameters_are_listed_apart(
     assert "speed 9.0" in drivora("failures", "list").out
     assert crashed["configuration"] == "scripted"
     assert crashed["configuration_id"] != run["configuration_id"]
+
+
+@pytest.mark.parametrize("command", ["list", "groups"])
+@pytest.mark.usefixtures("crashed")
+def test_unknown_names_are_refused(drivora: Drivora, command: str) -> None:
+    for kind in ("batch", "campaign", "study", "oracle"):
+        answer = drivora("failures", command, f"--{kind}", "nosuch")
+        assert answer.code == 2
+        assert f"unknown {kind} 'nosuch'" in answer.err
+
+
+def test_runs_in_which_the_ads_failed_are_named(capsys: pytest.CaptureFixture[str]) -> None:
+    counts = FoundCounts(
+        failures=0,
+        avoidable=0,
+        preventable=0,
+        runs=0,
+        agent_failed_runs=2,
+        definition=state_definition(()),
+    )
+    print_counts(counts)
+    shown = capsys.readouterr().out
+    assert "0 failures in 0 runs" in shown
+    assert "and 2 runs in which the ADS failed" in shown
