@@ -1923,6 +1923,8 @@ export interface components {
              * Format: date-time
              */
             created_at: string;
+            /** @description What `failing_runs` counts; null in lists and in answers to commands. */
+            definition?: components["schemas"]["StatedDefinition"] | null;
             /**
              * Done
              * @description Whether every run has ended.
@@ -3750,6 +3752,12 @@ export interface components {
              */
             neither: number;
             /**
+             * Not Counted
+             * @description Pairs that are left out, since the definition of their scenario does not name the oracle.
+             * @default 0
+             */
+            not_counted: number;
+            /**
              * Not Measurable
              * @description Pairs that are left out, since the oracle was not measurable in a run.
              */
@@ -4065,6 +4073,11 @@ export interface components {
          * @description Numbers of failures that pass a filter.
          */
         FoundCounts: {
+            /**
+             * Agent Failed Runs
+             * @description Runs outside campaigns in which the ADS itself failed: failures that are no violations, and neither listed nor counted in `failures`; null if the filter asks for more than batch, ADS and network.
+             */
+            agent_failed_runs: number | null;
             /**
              * Avoidable
              * @description Those that are the fault of an ego and avoidable.
@@ -8116,6 +8129,12 @@ export interface components {
                 [key: string]: number;
             };
             /**
+             * Definition
+             * @description What counts as a failure, in words; empty if it was not recorded.
+             * @default
+             */
+            definition: string;
+            /**
              * Fails
              * @description Whether the gate fails.
              */
@@ -8356,6 +8375,12 @@ export interface components {
              */
             created_at: string;
             /**
+             * Definition
+             * @description What counts as a failure, in words; empty if it was not recorded.
+             * @default
+             */
+            definition: string;
+            /**
              * Fails
              * @description Whether the gate fails.
              */
@@ -8476,6 +8501,12 @@ export interface components {
              * @description When it was told.
              */
             created_at: string;
+            /**
+             * Definition
+             * @description What counts as a failure, in words; empty if it was not recorded.
+             * @default
+             */
+            definition: string;
             /**
              * Fails
              * @description Whether the gate fails.
@@ -9794,7 +9825,7 @@ export interface operations {
                 counts?: components["schemas"]["Counted"] | null;
                 /** @description The runs without a judgement that are failures. */
                 unfinished?: components["schemas"]["Unfinished"];
-                /** @description Only violations of this oracle are failures, observations included; may be repeated. In place of what was defined, as `counts`. */
+                /** @description Only violations of this oracle are failures, observations included; may be repeated. In place of the oracles that were defined. Without `counts`, that of the runs is kept, if all have the same. */
                 oracle?: string[] | null;
                 /** @description Metric to compare, and to show of each run; may be repeated. Without it, all are compared, and the driving score is shown. */
                 metric?: string[] | null;
@@ -11485,6 +11516,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["ProblemDetails"];
                 };
             };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
             /** @description Unprocessable Entity */
             422: {
                 headers: {
@@ -11575,6 +11615,15 @@ export interface operations {
             };
             /** @description Forbidden */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -12127,6 +12176,15 @@ export interface operations {
             };
             /** @description Forbidden */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -15843,13 +15901,13 @@ export interface operations {
                      *     drivora_database_bytes 1000000.0
                      *     # HELP drivora_slot_busy Whether a worker slot runs something
                      *     # TYPE drivora_slot_busy gauge
-                     *     drivora_slot_busy{slot="slot-0"} 1.0
+                     *     drivora_slot_busy{slot="slot-0"} 0.0
                      *     # HELP drivora_slot_memory_bytes Memory of a slot's worker
                      *     # TYPE drivora_slot_memory_bytes gauge
                      *     drivora_slot_memory_bytes{slot="slot-0"} 200000000.0
                      *     # HELP drivora_slot_restarts_total Worker processes replaced
                      *     # TYPE drivora_slot_restarts_total counter
-                     *     drivora_slot_restarts_total{slot="slot-0"} 1.0
+                     *     drivora_slot_restarts_total{slot="slot-0"} 2.0
                      */
                     "text/plain": string;
                 };
