@@ -3,6 +3,7 @@ import { Link, useParams } from "@tanstack/react-router";
 import { api, body } from "../../api/client";
 import { Copy } from "../../components/Copy";
 import { configurationFilter } from "../../components/configuration";
+import { definitionSentence } from "../../components/definition";
 import { Mark } from "../../components/Mark";
 import { count, moment } from "../../components/numbers";
 import { Shares } from "../../components/Shares";
@@ -89,6 +90,12 @@ function Answer({ batch }: { readonly batch: Batch }) {
           <Link to="/failures" search={{ batch: batch.id }}>
             {count(batch.failing_runs)} failing
           </Link>
+          {batch.definition && (
+            <span className="quiet">
+              {" "}
+              ({definitionSentence(batch.definition).replace(/\.$/, "")})
+            </span>
+          )}
         </>
       )}
       {notJudged > 0 && ` · ${count(notJudged)} not judged`}

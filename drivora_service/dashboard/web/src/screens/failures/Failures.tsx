@@ -157,6 +157,7 @@ function CountAnswer({ groups, all, filters, search }: AnswerProps) {
   });
   if (!data) return null;
   const { failures, avoidable, preventable, runs, definition } = data;
+  const failed = data.agent_failed_runs ?? 0;
   return (
     <p className="answer">
       {count(failures)} failures
@@ -169,6 +170,17 @@ function CountAnswer({ groups, all, filters, search }: AnswerProps) {
       <Link to="." search={{ ...search, accountability: "preventable" }}>
         {count(preventable)} not at fault, but avoidable
       </Link>
+      {failed > 0 && (
+        <>
+          ; besides,{" "}
+          <Link
+            to="/runs"
+            search={{ status: "agent_failed", ...(query.batch && { batch: query.batch }) }}
+          >
+            the ADS itself failed in {count(failed)} {failed === 1 ? "run" : "runs"}
+          </Link>
+        </>
+      )}
       . <span className="quiet">{definitionOf(definition)}</span>
     </p>
   );

@@ -46,6 +46,13 @@ export function Oracles({
             <th scope="col" className="number" title="Pairs in which a run could not be judged">
               Not measurable
             </th>
+            <th
+              scope="col"
+              className="number"
+              title="Pairs with a run in which this oracle does not count as defined"
+            >
+              Not counted
+            </th>
             <th scope="col" className="number">
               B − A, points [95 %]
             </th>
@@ -70,6 +77,9 @@ export function Oracles({
                 ) : (
                   <span className="quiet">0</span>
                 )}
+              </td>
+              <td className="number">
+                {row.not_counted > 0 ? count(row.not_counted) : <span className="quiet">0</span>}
               </td>
               <td className="number">{pointsText(row)}</td>
               <td className="number">{probability(row.p_holm)}</td>
