@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from drivora_service.campaigns.document.campaign_documents import OracleNames
 from drivora_service.oracles.verdict import Severity
-from drivora_service.oracles.verdicts.accountability import ACCOUNTABLE, Accountability
+from drivora_service.oracles.verdicts.accountability import Accountability
 from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.scenario.entities import EntityDocument
 from drivora_service.suites.gate.failure_classes import FailureClass
@@ -26,14 +26,15 @@ class LimitDocument(EntityDocument):
     """The number of scenarios, or the share of runs, in which certain violations may occur."""
 
     oracles: OracleNames | None = Field(
-        None, description="These violated oracles; without it, all but observations."
+        None, description="These violated oracles; without it, those that count as failures."
     )
     severity: Annotated[tuple[Severity, ...], Field(min_length=1)] | None = Field(
         None, description="Violations of these severities; without it, of any."
     )
-    accountability: Annotated[tuple[Accountability, ...], Field(min_length=1)] = Field(
-        tuple(degree for degree in Accountability if degree in ACCOUNTABLE),
-        description="Violations with these degrees of accountability.",
+    accountability: Annotated[tuple[Accountability, ...], Field(min_length=1)] | None = Field(
+        None,
+        description="Violations with these degrees of accountability; without it, those that "
+        "count as failures.",
     )
     most_scenarios: _Count | None = Field(
         None, description="Greatest number of scenarios with such a violation in any of their runs."

@@ -49,7 +49,10 @@ def _violations_answer(
     gate: GateDocument,
 ) -> LimitAnswer:
     failing = [
-        any(_is_limited(verdict, limit, scenarios[run.scenario], run) for verdict in run.violations)
+        any(
+            _is_limited(verdict, limit, scenarios[run.scenario].definition(gate.definition), run)
+            for verdict in run.violations
+        )
         for run in runs
     ]
     what = _describe_limit(limit)
@@ -73,23 +76,26 @@ def _violations_answer(
 
 
 def _is_limited(
-    verdict: Verdict, limit: LimitDocument, scenario: SuiteScenario, run: SuiteRun
+    verdict: Verdict, limit: LimitDocument, scenario: FailureDefinition, run: SuiteRun
 ) -> bool:
-    # A limit names the degrees itself; what its scenario counts does not matter.
+    # What a limit does not name is as in the definition of the scenario.
+    degrees = limit.accountability
     definition = FailureDefinition(
-        counts=Counted.ANY, oracles=limit.oracles, known=scenario.known_failures
+        counts=scenario.counts if degrees is None else Counted.ANY,
+        oracles=limit.oracles or scenario.oracles,
+        known=scenario.known,
     )
     return (
         definition.is_failure(verdict, run.agents)
         and (limit.severity is None or verdict.severity in limit.severity)
-        and accountability(verdict) in limit.accountability
+        and (degrees is None or accountability(verdict) in degrees)
     )
 
 
 def _describe_limit(limit: LimitDocument) -> str:
     severity = f"{' or '.join(limit.severity)} " if limit.severity else ""
     oracles = " or ".join(limit.oracles or ("violation",)).replace("_", " ")
-    degrees = ", ".join(limit.accountability).replace("_", " ")
+    degrees = ", ".join(limit.accountability or ("counted",)).replace("_", " ")
     return f"{severity}{oracles} ({degrees})"
 
 

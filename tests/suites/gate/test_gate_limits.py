@@ -53,6 +53,20 @@ def test_scenarios_with_violations_are_limited(limit: dict[str, Any], runs: int)
         assert found.fails == (runs > most)
 
 
+@pytest.mark.parametrize(("counts", "runs"), [("accountable", 2), ("at_fault", 3)])
+@pytest.mark.parametrize("oracles", [None, ["collision"], ["discomfort"]])
+def test_a_limit_counts_what_its_gate_counts(
+    counts: str, runs: int, oracles: list[str] | None
+) -> None:
+    found = answer(MIXED, counts=counts, oracles=oracles, limits=[{"most_scenarios": 0}])
+    assert found.value is not None
+    assert (
+        found.value.mean
+        == {"collision": runs - 1, "discomfort": 1, None: runs}[oracles[0] if oracles else None]
+    )
+    assert "(counted)" in found.what
+
+
 def test_known_failures_are_not_limited() -> None:
     known = KnownFailure(oracle="collision", reason="x")
     gate = GateDocument.model_validate(
