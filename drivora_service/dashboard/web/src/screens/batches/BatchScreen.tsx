@@ -90,15 +90,12 @@ function Answer({ batch }: { readonly batch: Batch }) {
           <Link to="/failures" search={{ batch: batch.id }}>
             {count(batch.failing_runs)} failing
           </Link>
-          {batch.definition && (
-            <span className="quiet">
-              {" "}
-              ({definitionSentence(batch.definition).replace(/\.$/, "")})
-            </span>
-          )}
         </>
       )}
       {notJudged > 0 && ` · ${count(notJudged)} not judged`}
+      {batch.failing_runs > 0 && batch.definition && (
+        <span className="quiet">. {definitionSentence(batch.definition)}</span>
+      )}
     </p>
   );
 }
