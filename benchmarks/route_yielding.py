@@ -72,7 +72,7 @@ class Moment:
 
 
 def drive(options: argparse.Namespace, setup: WorkerSetup) -> Iterator[tuple[str, Path]]:
-    """Drives the routes that have no trace yet; yields names and traces of all."""
+    """Runs the routes that have no trace yet, and yields the name and trace of each route."""
     catalogue = NetworkCatalogue(setup.shipped_networks, setup.imported_networks)
     for file in options.routes:
         for item in read_scenarios(file.read_bytes(), name=file.stem, agent=options.agent):
@@ -247,7 +247,7 @@ def draw(moment: Moment, trace: Trace, network: RoadNetwork, target: Path) -> No
 
 
 def main() -> None:
-    """Drives the routes and writes time lines and pictures."""
+    """Runs the routes, and writes a time line and a picture of each verdict."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--networks", type=Path, required=True, help="folder of NAME.net.xml")
     parser.add_argument("--routes", type=Path, nargs="+", required=True)

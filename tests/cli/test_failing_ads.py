@@ -77,7 +77,7 @@ def test_the_gate_of_a_campaign_counts_simulations_in_which_the_ads_raised(
     assert defined.startswith(words)
     assert drivora("runs", "show", f"{listed['id']}-0", "--json").json()["cause"] == "agent_raised"
 
-    # Campaigns of another definition are told apart in the list.
+    # The list shows which campaigns count something else.
     other = {**CAMPAIGN, "name": "other", "oracles": ["collision"]}
     del other["counts"]
     file.write_text(json.dumps(other))

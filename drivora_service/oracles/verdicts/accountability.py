@@ -73,7 +73,8 @@ def accountable(
     if at_fault:
         return _AT_FAULT[avoidable]
     if at_fault is False:
-        # UNECE R157 asks what a careful and competent driver would have prevented, whoever began.
+        # UNECE R157 asks what a careful and competent driver would have prevented, regardless of
+        # who caused the danger.
         is_preventable = avoidable is Answer.YES
         return Accountability.PREVENTABLE if is_preventable else Accountability.NOT_AT_FAULT
     return Accountability.UNDETERMINED if undetermined else Accountability.NOT_JUDGED

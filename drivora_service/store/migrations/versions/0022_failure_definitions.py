@@ -219,7 +219,7 @@ def _mark_what_only_campaigns_count(connection: sa.Connection) -> None:
 
 
 def _fill_facets(connection: sa.Connection) -> None:
-    """Gives the runs of each facet those that they have now, and counts again."""
+    """Assigns its present facets to each run, and counts the runs of each facet again."""
     before = {row.key: row for row in connection.execute(sa.select(_FACETS)).all()}
     violated, failing = _RUNS.c.violations > 0, _RUNS.c.failures > 0
     parts = (_RUNS.c.facet, _RUNS.c.accountability, violated, failing)
