@@ -300,7 +300,9 @@ def test_recorded_runs_are_judged_as_by_brute_force() -> None:
             expected = Outcome.VIOLATED if is_free else Outcome.NOT_MEASURABLE
         assert verdict.outcome is expected
         outcomes.add(expected)
-    assert outcomes == set(Outcome), "runs of each outcome were compared"
+    # The oracle applies wherever there is a reference path, so it has three outcomes.
+    applicable = {Outcome.PASSED, Outcome.VIOLATED, Outcome.NOT_MEASURABLE}
+    assert outcomes == applicable, "runs of each outcome were compared"
 
 
 @pytest.mark.slow
