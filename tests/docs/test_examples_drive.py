@@ -24,6 +24,7 @@ import yaml
 
 from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.agents.interface import Agent
+from drivora_service.agents.sumo_driver import SumoDriver
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_reading import read_campaign
 from drivora_service.campaigns.evaluation.local_evaluator import LocalEvaluator
@@ -131,7 +132,9 @@ def test_the_agent_in_a_process_of_its_own_drives_them_too(town: str, tmp_path: 
     shutil.copytree(_ROOT / "deploy" / "external-agent", tmp_path / "external-agent")
     (document,) = seeds(town, 1)
     with contextlib.closing(AgentCatalogue(folder=tmp_path)) as catalogue:
-        assert_drives(run(scenario_of(document), catalogue.create("external-agent", {})))
+        driver = catalogue.create("external-agent", {})
+        assert not isinstance(driver, SumoDriver)
+        assert_drives(run(scenario_of(document), driver))
 
 
 def test_the_agent_stops_for_red_lights_and_cars(
