@@ -14,6 +14,7 @@ The tree::
     ├── SimulatorError         libsumo refused a call that should have worked
     ├── WorkersCannotStart     no worker process can be started
     ├── SearchError            a gene space or a tester cannot be used as requested
+    │   └── UnknownObjective   a tester asked for an objective that was not measured
     ├── CampaignError          a campaign cannot be started, resumed or compared
     ├── StoreError             the database or a trace file cannot be used
     │   ├── StoreUnavailable   the database cannot be used at the moment
@@ -32,6 +33,7 @@ The tree::
 
 from __future__ import annotations
 
+import difflib
 from dataclasses import dataclass
 
 
@@ -120,7 +122,8 @@ class PluginError(DrivoraError):
 
     Attributes:
         cause: Short stable name: ``feedback_plugin``, ``feedback_raised``,
-            ``feedback_invalid_measurement``, ``tester_raised``, and those of oracles.
+            ``feedback_invalid_measurement``, ``metric_plugin``, ``metric_raised``,
+            ``metric_invalid_value``, ``tester_raised``, and those of oracles.
         log: The end of its traceback.
     """
 
@@ -151,6 +154,22 @@ class WorkersCannotStart(DrivoraError):
 
 class SearchError(DrivoraError):
     """A gene space or a tester cannot be used as requested."""
+
+
+class UnknownObjective(SearchError):
+    """A tester asked for an objective that was not measured."""
+
+    def __init__(self, name: str, known: tuple[str, ...]) -> None:
+        self.name, self.known = name, known
+        close = difflib.get_close_matches(name, known, n=1)
+        meant = f"; did you mean {close[0]!r}?" if close else "."
+        super().__init__(
+            f"no objective {str(name)[:80]!r} was measured{meant} Measured: "
+            f"{', '.join(known) or 'none'}"
+        )
+
+    def __reduce__(self) -> tuple[type[UnknownObjective], tuple[str, tuple[str, ...]]]:
+        return type(self), (self.name, self.known)
 
 
 class CampaignError(DrivoraError):

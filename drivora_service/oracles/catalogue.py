@@ -5,6 +5,7 @@ These are the built-in ones, traffic laws, and those of installed packages.
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import re
 from collections.abc import Mapping, Sequence
@@ -28,7 +29,7 @@ from drivora_service.oracles.oracle_descriptions import (
     ViolatedBy,
     find_description,
 )
-from drivora_service.oracles.plugin import OraclePlugin
+from drivora_service.oracles.plugin import OracleObjective, OraclePlugin
 from drivora_service.oracles.verdict import Oracle
 from drivora_service.plugin_table import PluginTable
 
@@ -151,6 +152,18 @@ class OracleCatalogue:
         """
         return tuple(self._load_oracle(name) for name in self._installed_names())
 
+    def objectives(self) -> dict[str, tuple[OracleObjective, ...]]:
+        """Returns the objectives of the oracles of installed packages, by oracle.
+
+        Oracles that cannot be loaded, and those without objectives, are left out.
+        """
+        found = {}
+        for name in self._installed_names():
+            with contextlib.suppress(OracleError):
+                self._load_oracle(name)
+                found[name] = self._table.plugin(name).objectives
+        return {name: objectives for name, objectives in found.items() if objectives}
+
     def versions(self, name: str) -> Mapping[str, str]:
         """Returns the package of an oracle with its version, or the hash of the user's law file.
 
@@ -262,7 +275,14 @@ class OracleCatalogue:
             raise refusal(
                 f"{of} has the name {called!r}; allowed: the name of its entry point, {name!r}"
             )
-        return InstalledOracle(name=name, package=package, oracle=oracle)
+        objectives = tuple(one.name for one in plugin.objectives)
+        for objective in objectives:
+            if not _NAME.fullmatch(objective) or len(objective) > _LONGEST_NAME:
+                raise refusal(
+                    f"{of} has the objective {objective!r}; allowed are names in snake case of at "
+                    f"most {_LONGEST_NAME} characters"
+                )
+        return InstalledOracle(name=name, package=package, oracle=oracle, objectives=objectives)
 
 
 def _plugin(oracle: Oracle) -> OraclePlugin:

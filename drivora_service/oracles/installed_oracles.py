@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -27,11 +28,13 @@ class InstalledOracle:
         name: Name of the oracle.
         package: Name of its package.
         oracle: The oracle.
+        objectives: Names of the objectives that its verdicts have as evidence.
     """
 
     name: str
     package: str
     oracle: Oracle
+    objectives: tuple[str, ...] = ()
 
     def judge(self, run: RunView) -> tuple[Verdict, ...]:
         """Judges a run.
@@ -83,6 +86,7 @@ class InstalledOracle:
             if not verdict.message:
                 yield "without a message"
             yield from _violation_problems(verdict, run.trace.step_count)
+            yield from _objective_problems(verdict, self.objectives)
             outcomes[verdict.ego].append(verdict.outcome)
         for ego, own in outcomes.items():
             if not own:
@@ -98,6 +102,40 @@ class InstalledOracle:
             f"oracle {self.name!r} of the package {self.package!r} answered {problem}",
             cause="oracle_invalid_verdict",
         )
+
+
+def objective_values(
+    objectives: Sequence[str], verdicts: Iterable[Verdict], egos: Sequence[str]
+) -> dict[str, float | None]:
+    """Returns the objectives of a run that the verdicts of an oracle have as evidence.
+
+    Args:
+        objectives: Their names.
+        verdicts: Verdicts of the oracle alone.
+        egos: Ids of all egos.
+
+    Returns:
+        Values by name: that of the ego nearest to a violation; ``None`` if no ego has one. With
+        several egos, ``name[ego id]`` is that of one of them.
+    """
+    own = list(verdicts)
+    values: dict[str, float | None] = {}
+    for name in objectives:
+        found = {
+            ego: min(
+                (
+                    float(value)
+                    for one in own
+                    if one.ego == ego and (value := one.evidence.get(name)) is not None
+                ),
+                default=None,
+            )
+            for ego in egos
+        }
+        values[name] = min((one for one in found.values() if one is not None), default=None)
+        if len(egos) > 1:
+            values.update({f"{name}[{ego}]": value for ego, value in found.items()})
+    return values
 
 
 def traceback_of(error: BaseException) -> str:
@@ -117,3 +155,19 @@ def _violation_problems(verdict: Verdict, steps: int) -> Iterator[str]:
             f"evidence {DECLARED!r} that is no measure; allowed: a name, a finite value, a margin "
             "above 0, and perhaps unit and less_is_worse"
         )
+
+
+def _objective_problems(verdict: Verdict, objectives: Sequence[str]) -> Iterator[str]:
+    for name in objectives:
+        if name not in verdict.evidence:
+            # Where there is nothing to judge, there need not be anything to measure.
+            if verdict.outcome in (Outcome.PASSED, Outcome.VIOLATED):
+                yield (
+                    f"{verdict.outcome.in_words} without the evidence {name!r}, which is one of "
+                    "its objectives; give a finite number, or None where it is not measurable"
+                )
+            continue
+        value = verdict.evidence[name]
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if value is not None and not (is_number and math.isfinite(value)):
+            yield f"{value!r} for its objective {name!r}; allowed: a finite number, or None"

@@ -30,6 +30,8 @@ from drivora_service.errors import (
 )
 from drivora_service.feedback.objectives import score
 from drivora_service.metrics.built_in_metrics import measure
+from drivora_service.metrics.catalogue import MetricCatalogue
+from drivora_service.metrics.installed_metrics import measure_installed
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
@@ -51,11 +53,16 @@ from drivora_service.simulation.sumo import SUMO_ERRORS
 from drivora_service.worker.candidate_preparing import space_of_candidates
 from drivora_service.worker.integrity import describe_code_changes, snapshot_judging_code
 from drivora_service.worker.interventions import leave_scenario
-from drivora_service.worker.measuring import is_built_in, make_feedback, measure_run
+from drivora_service.worker.objective_measuring import add_oracle_objectives, make_measuring
 from drivora_service.worker.progress_board import ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
 from drivora_service.worker.without_effect import genes_without_effect
-from drivora_service.worker.worker_catalogues import agents_of, networks_of, oracles_of
+from drivora_service.worker.worker_catalogues import (
+    agents_of,
+    metrics_of,
+    networks_of,
+    oracles_of,
+)
 
 _LOG_LINES = 12
 """Number of traceback entries that are kept."""
@@ -142,6 +149,7 @@ def _perform(
     oracles = oracles_of(setup)
     laws = oracles.laws()
     installed = oracles.load_installed() if setup.installed_oracles else ()
+    metrics = metrics_of(setup).load_installed() if setup.installed_oracles else ()
     scenario = with_overrides(from_canonical(spec.document), agent=spec.agent, seed=spec.seed)
     network = networks_of(setup).get(scenario.map_region.town)
     plan = plan_episode(scenario, network)
@@ -151,15 +159,17 @@ def _perform(
     course.versions = {**course.versions, **_versions_of(catalogue, egos)}
     names = (*(law.name for law in laws), *(oracle.name for oracle in installed))
     course.versions = {**course.versions, **_versions_of(oracles, names)}
+    measured_by = (metric.name for metric in metrics)
+    course.versions = {**course.versions, **_versions_of(metrics_of(setup), measured_by)}
     course.agents = {ego.id: catalogue.fill_defaults(ego.agent) for ego in scenario.ego_vehicles}
     cells[BoardCell.IN_PROCESS] = any(
         catalogue.is_in_process(ego.agent.name) for ego in scenario.ego_vehicles
     )
     agents = [catalogue.create(e.agent.name, e.agent.parameters) for e in scenario.ego_vehicles]
-    feedback = (
+    measuring = (
         None
         if spec.feedback is None
-        else make_feedback(spec.feedback, tuple(judge.law for judge in laws))
+        else make_measuring(spec.feedback, tuple(judge.law for judge in laws))
     )
     adversary = None if spec.candidate is None else spec.candidate.adversary
     has_guests = any(catalogue.may_read_sumo(e.agent.name) for e in scenario.ego_vehicles)
@@ -229,19 +239,25 @@ def _perform(
     # Code that only this package has run in the process does not change while it judges.
     if code.has_met_others and (changes := code.changes()):
         raise _make_agent_error(changes, course)
-    if feedback is None and not installed:
+    if measuring is None and not installed and not metrics:
         return report
-    code.has_met_others |= bool(installed) or not is_built_in(feedback)
+    is_foreign = installed or metrics or (measuring is not None and not measuring.is_built_in)
+    code.has_met_others |= bool(is_foreign)
     try:
         # Last, so that code of plug-ins cannot change the input of the others.
-        if feedback is not None and spec.feedback is not None:
-            measured = measure_run(spec.feedback.name, feedback, view)
+        own = judge_all(trace, network, installed, view=view)
+        report = replace(
+            report,
+            metrics={**report.metrics, **measure_installed(metrics, view)},
+            scores=add_oracle_objectives(report.scores, installed, own, view),
+        )
+        if measuring is not None:
+            measured = measuring.measure(report, view)
             measured = replace(measured, features={**measured.features, **tables})
             report = replace(report, measurement=measured)
-        own = judge_all(trace, network, installed, view=view)
         if changes := code.changes():
             raise PluginError(
-                describe_code_changes(changes, "an oracle or a feedback"),
+                describe_code_changes(changes, "an oracle, a metric or a feedback"),
                 cause="plugin_changed_service",
             )
     except PluginError as error:
@@ -289,7 +305,7 @@ def _is_bounded(plan: EpisodePlan, agents: Sequence[Agent | SumoDriver], trace: 
 
 
 def _versions_of(
-    catalogue: AgentCatalogue | OracleCatalogue, names: Iterable[str]
+    catalogue: AgentCatalogue | OracleCatalogue | MetricCatalogue, names: Iterable[str]
 ) -> dict[str, str]:
     found: dict[str, str] = {}
     for name in names:

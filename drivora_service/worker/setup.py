@@ -20,7 +20,7 @@ class WorkerSetup:
         agents: Folder of installed agents and of the operator's manifests.
         agent_deadline_s: Seconds of one call of an agent after which the slot ends the worker; a
             hang of an ADS in a process of its own must be detected before.
-        installed_oracles: Whether oracles of installed packages judge, too.
+        installed_oracles: Whether oracles and metrics of installed packages judge and measure, too.
         laws: The user's traffic laws, as they were when the service or command started.
         confinement: User account and limits of ADSs in processes of their own.
     """

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from drivora_service.agents.catalogue import AgentCatalogue
+from drivora_service.metrics.catalogue import MetricCatalogue
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.oracles.laws.sources import LawSource
@@ -37,3 +38,13 @@ def _oracles(laws: tuple[LawSource, ...], _with_installed: bool) -> OracleCatalo
     # That of the fork server, which does without the oracles of packages, has those of another
     # time: they are found when a catalogue is made.
     return OracleCatalogue(laws)
+
+
+def metrics_of(setup: WorkerSetup) -> MetricCatalogue:
+    """Returns the catalogue of the process."""
+    return _metrics(setup.installed_oracles)
+
+
+@lru_cache(maxsize=1)
+def _metrics(_with_installed: bool) -> MetricCatalogue:
+    return MetricCatalogue()

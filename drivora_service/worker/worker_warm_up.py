@@ -22,7 +22,7 @@ from drivora_service.scenario.model import (
 )
 from drivora_service.worker.performing import perform
 from drivora_service.worker.setup import WorkerSetup
-from drivora_service.worker.worker_catalogues import oracles_of
+from drivora_service.worker.worker_catalogues import metrics_of, oracles_of
 
 _SIM_TIME_S = 1.0
 _COMPILED = ("idm", "idm-mobil", "pdm-closed")
@@ -44,11 +44,11 @@ A worker inherits that of its fork server, with its compiled kernels.
 def warm_up(setup: WorkerSetup) -> None:
     """Performs runs of one simulated second on a shipped network and discards them.
 
-    A process whose fork server has performed them repeats one of them if oracles judge that the
-    fork server does not have, and else none.
+    A process whose fork server has performed them repeats one of them if oracles judge or metrics
+    measure that the fork server does not have, and else none.
     """
     inherits = bool(_warmed - {os.getpid()})
-    if inherits and not oracles_of(setup).has_others:
+    if inherits and not oracles_of(setup).has_others and not metrics_of(setup).installed_names:
         return
     scenario = warm_up_checks(NetworkCatalogue(setup.shipped_networks))
     short = replace(scenario, max_sim_time=_SIM_TIME_S)

@@ -122,6 +122,15 @@ class LawOracle:
         ]
 
 
+def law_robustness(ego: EgoView, law: Law) -> float:
+    """Returns the least robustness of a law over an ego's part, which has rows.
+
+    It is negative where the law is violated. What is not recorded counts in the ego's favour, as
+    for the verdict.
+    """
+    return float(_over(ego, beyond=MOST).of(law.formula).min())
+
+
 def violation_robustness(ego: EgoView, cases: Sequence[Formula]) -> tuple[float, ...]:
     """Returns the greatest robustness of each violation over an ego's part, which has rows.
 
