@@ -14,6 +14,7 @@ from drivora_service.cli.campaigns import campaign_commands
 from drivora_service.cli.catalogues import (
     agents_commands,
     laws_commands,
+    metrics_commands,
     networks_commands,
     oracles_commands,
     testers_commands,
@@ -102,6 +103,7 @@ app.add_typer(agents_commands.app, name="agents", epilog=EPILOG)
 app.add_typer(testers_commands.app, name="testers", epilog=EPILOG)
 app.add_typer(oracles_commands.app, name="oracles", epilog=EPILOG)
 app.add_typer(laws_commands.app, name="laws", epilog=EPILOG)
+app.add_typer(metrics_commands.app, name="metrics", epilog=EPILOG)
 app.add_typer(store_commands.app, name="store", epilog=EPILOG)
 app.add_typer(tokens_commands.app, name="tokens", epilog=EPILOG)
 

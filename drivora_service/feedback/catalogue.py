@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from drivora_service.errors import SearchError
 from drivora_service.feedback.avfuzzer import AVFUZZER
@@ -61,6 +61,10 @@ class FeedbackCatalogue:
             SearchError: The entry point of an installed package is no feedback.
         """
         return self._table.plugin(name)
+
+    def versions(self, name: str) -> Mapping[str, str]:
+        """Returns the package of a feedback with its version; empty for a built-in one."""
+        return self._table.versions(name)
 
     def create(self, choice: FeedbackChoice) -> Feedback:
         """Returns the feedback of a choice, with its parameters."""

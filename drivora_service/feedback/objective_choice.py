@@ -80,9 +80,7 @@ def combine_objectives(
     for one in choices:
         value = values[one.name]
         share = (
-            NOT_MEASURABLE
-            if value is None
-            else share_of(value, target=one.target, scale=one.scale)
+            NOT_MEASURABLE if value is None else share_of(value, target=one.target, scale=one.scale)
         )
         weighed += (one.weight or 0.0) * share
     return {WEIGHTED_SUM: weighed / total, **values}

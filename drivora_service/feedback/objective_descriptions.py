@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from drivora_service.oracles.oracle_descriptions import (
@@ -14,6 +14,7 @@ from drivora_service.oracles.oracle_descriptions import (
 
 if TYPE_CHECKING:
     from drivora_service.oracles.laws.law import Law
+    from drivora_service.oracles.plugin import OracleObjective
 
 _OWN = "Drivora"
 _AVFUZZER = "AV-Fuzzer (Li et al. 2020)"
@@ -187,12 +188,43 @@ OBJECTIVES = (
 """The objectives, feedback by feedback."""
 
 
+def oracle_objectives(
+    declared: Mapping[str, Sequence[OracleObjective]],
+) -> tuple[MeasureDescription, ...]:
+    """Returns the objectives of oracles of packages, which are given by oracle."""
+    return tuple(
+        _objective(
+            "",
+            objective.name,
+            objective.description,
+            source=f"the oracle {oracle}",
+            unit=objective.unit,
+            threshold="0",
+        )
+        for oracle, objectives in declared.items()
+        for objective in objectives
+    )
+
+
 def law_objectives(laws: Sequence[Law]) -> tuple[MeasureDescription, ...]:
-    """Returns the objectives of LawBreaker's feedback: one for each way to violate a law."""
+    """Returns the objectives of laws: their robustness, and one for each way to violate them.
+
+    The latter are those of LawBreaker's feedback.
+    """
     # Imported here: it needs the code of laws.
     from drivora_service.feedback.lawbreaker import objectives_of
 
-    return tuple(
+    whole = [
+        _objective(
+            "",
+            law.name,
+            f"The least robustness of the law, below zero where it is violated: {law.title}.",
+            threshold="0",
+            source=law.source,
+        )
+        for law in laws
+    ]
+    ways = [
         _objective(
             "lawbreaker",
             name,
@@ -203,4 +235,5 @@ def law_objectives(laws: Sequence[Law]) -> tuple[MeasureDescription, ...]:
         )
         for law in laws
         for name, case in zip(objectives_of([law]), law.sub_violations, strict=True)
-    )
+    ]
+    return (*whole, *ways)

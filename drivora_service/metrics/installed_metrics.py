@@ -65,9 +65,7 @@ class InstalledMetric:
         return value
 
 
-def measure_installed(
-    metrics: Sequence[InstalledMetric], run: RunView
-) -> dict[str, float | None]:
+def measure_installed(metrics: Sequence[InstalledMetric], run: RunView) -> dict[str, float | None]:
     """Measures a run by the metrics of packages.
 
     Returns:

@@ -94,7 +94,8 @@ class MeasureDescription(Shape):
         definition: One sentence.
         unit: SI unit; `1` for a share or a score.
         better: Direction in which it is better for the ADS.
-        feedback: Feedback that measures the objective; empty for a metric.
+        feedback: Feedback that measures the objective; empty for a metric, and for the objective
+            of a law or an oracle.
         several_egos: How the values of several egos become that of the run: `mean`, `least`, `most`
             or `all`, where the value is that of all egos together.
         threshold: What it is compared with, in words; empty if with nothing.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from drivora_service.feedback.measurement import FeedbackChoice
+from drivora_service.search.aims import Guidance
 from drivora_service.search.components import Components, Mutation, Selection
 from drivora_service.search.tester import Tester, TesterContext
 
@@ -31,6 +32,9 @@ class TesterPlugin(Generic[P]):
         compares_paths: Whether its candidates have reference paths; then the motion of all actors
             must be planned, and is not left to SUMO.
         packages: Packages of an extra that it needs; a campaign records their versions.
+        guidance: Which objectives a campaign may choose in place of its feedback's. A tester that
+            can be directed reads ``TesterContext.aims``, or its one objective by
+            ``TesterContext.objective``.
     """
 
     name: str
@@ -44,6 +48,7 @@ class TesterPlugin(Generic[P]):
     oracle: str = ""
     compares_paths: bool = False
     packages: tuple[str, ...] = ()
+    guidance: Guidance = Guidance.OWN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

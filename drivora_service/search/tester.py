@@ -9,11 +9,14 @@ from typing import Protocol
 
 import numpy as np
 
+from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import Measurement
+from drivora_service.feedback.objective_values import ObjectiveValues
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.adversary import AdversarySource
 from drivora_service.runs.candidate import Reference
+from drivora_service.search.aims import Aim
 from drivora_service.search.genes import Block, GeneSpace
 
 
@@ -63,7 +66,9 @@ class Evaluation:
             and not known to be another actor's fault. Empty unless judged.
         verdicts: All verdicts of the run, those of oracles that the campaign does not count and
             those at another actor's fault among them. Empty unless judged.
-        scores: The general objectives by name, to be minimised; ``None`` is not measurable.
+        scores: The general objectives by name, and those of oracles of packages, to be minimised;
+            ``None`` is not measurable. Empty unless judged; else a name that was not measured
+            raises ``UnknownObjective``.
         measurement: Measurement by the tester's feedback; ``None`` unless judged.
         without_effect: Indices of genes whose change, to whatever values, could not have changed
             the run of any ego (``worker.without_effect``). Told truly also where the results are
@@ -78,6 +83,11 @@ class Evaluation:
     scores: Mapping[str, float | None] = field(default_factory=dict)
     measurement: Measurement | None = None
     without_effect: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Makes the scores of a judged candidate a mapping that refuses unknown names."""
+        if self.scores:
+            object.__setattr__(self, "scores", ObjectiveValues(self.scores))
 
 
 class Tester(Protocol):
@@ -145,6 +155,8 @@ class TesterContext:
             an ego's start it appears; ``None`` for other blocks. ``None``: not known.
         checkpoints: Place for checkpoints of testers that need long to rebuild their state;
             ``None``: none are kept.
+        aims: Objectives that the campaign chose in place of those of the tester's feedback; empty:
+            none.
     """
 
     space: GeneSpace
@@ -154,3 +166,18 @@ class TesterContext:
     decode_alike: Callable[[FloatArray, FloatArray], bool] | None = None
     ego_distance: Callable[[Block, FloatArray], float | None] | None = None
     checkpoints: Checkpoints | None = None
+    aims: tuple[Aim, ...] = ()
+
+    def objective(self, default: str) -> str:
+        """Returns the name of the one objective to minimise.
+
+        Args:
+            default: The tester's own.
+
+        Raises:
+            SearchError: The campaign chose several.
+        """
+        if len(self.aims) > 1:
+            names = ", ".join(aim.name for aim in self.aims)
+            raise SearchError(f"the tester minimises one objective; the campaign chose {names}")
+        return self.aims[0].name if self.aims else default

@@ -15,6 +15,7 @@ from drivora_service.campaigns.document.campaign_documents import (
     TesterDocument,
     Workers,
 )
+from drivora_service.campaigns.document.feedback_documents import FeedbackDocument
 from drivora_service.oracles.verdicts.failure_definition import Counted
 from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
@@ -65,7 +66,10 @@ class StudyMethodDocument(TesterDocument):
     label: Label | None = Field(
         None,
         description="Its name in the study; without it, that of the tester, with `without "
-        "feedback` if that is shuffled.",
+        "feedback` if that is shuffled, and with `by` and the names of `minimises`.",
+    )
+    minimises: FeedbackDocument | None = Field(
+        None, description="What it minimises, in place of the `feedback` of the study."
     )
 
 
@@ -103,6 +107,10 @@ class StudyDocument(EntityDocument):
     oracles: OracleNames | None = Field(
         None, description="The only oracles that count; without it, all but observations."
     )
+    feedback: FeedbackDocument | None = Field(
+        None,
+        description="What every method minimises; without it, what its own feedback measures.",
+    )
     workers: Workers | None = Field(
         None,
         description="Worker processes of all campaigns together, in a command; without it, as many "
@@ -130,7 +138,10 @@ class StudyDocument(EntityDocument):
     def method_labels(self) -> tuple[str, ...]:
         """The names of the methods in the study."""
         return tuple(
-            one.label or one.name + (_WITHOUT_FEEDBACK if one.feedback == "shuffled" else "")
+            one.label
+            or one.name
+            + ("" if one.minimises is None else f" by {one.minimises.words}")
+            + (_WITHOUT_FEEDBACK if one.feedback == "shuffled" else "")
             for one in self.methods
         )
 

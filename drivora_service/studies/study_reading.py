@@ -162,7 +162,9 @@ def _read(document: StudyDocument, one: _Combination, catalogues: Catalogues) ->
     space = document.space if scenario.space is None else scenario.space
     content: dict[str, Any] = {
         "name": _name(document, one, 1),
-        "tester": document.methods[one.method].model_dump(exclude={"label"}, exclude_none=True),
+        "tester": document.methods[one.method].model_dump(
+            exclude={"label", "minimises"}, exclude_none=True
+        ),
         "scenario": scenario.document.model_dump(mode="json", exclude_none=True),
         "space": space.model_dump(mode="json"),
         "budget": document.budget.model_dump(),
@@ -171,6 +173,9 @@ def _read(document: StudyDocument, one: _Combination, catalogues: Catalogues) ->
         "seed": document.seed,
         "lookahead": document.lookahead,
     }
+    feedback = document.methods[one.method].minimises or document.feedback
+    if feedback is not None:
+        content["feedback"] = feedback.model_dump(mode="json", exclude_none=True)
     if document.agents:
         content["agent"] = document.agents[one.agent].model_dump(exclude={"label"})
     return read_campaign(content, catalogues)
@@ -183,10 +188,15 @@ def _place_problem(
     _, _, rest = problem.pointer.partition("/")
     key, slash, inside = rest.partition("/")
     own_space = document.scenarios[one.scenario].space is not None
+    own_feedback = document.methods[one.method].minimises is not None
     prefix, part = {
         "scenario": (f"/scenarios/{one.scenario}/document", "scenario"),
         "agent": (f"/agents/{one.agent}", "agent"),
         "tester": (f"/methods/{one.method}", "method"),
+        "feedback": (
+            f"/methods/{one.method}/minimises" if own_feedback else "/feedback",
+            "method",
+        ),
         "space": (f"/scenarios/{one.scenario}/space" if own_space else "/space", "scenario"),
     }.get(key, (f"/{key}" if key else "", ""))
     message = problem.message

@@ -26,8 +26,11 @@ from drivora_service.api.schemas.catalogues import (
     TesterParameter,
 )
 from drivora_service.errors import SearchError
-from drivora_service.feedback.objective_descriptions import OBJECTIVES, law_objectives
-from drivora_service.metrics.metric_descriptions import METRICS
+from drivora_service.feedback.objective_descriptions import (
+    OBJECTIVES,
+    law_objectives,
+    oracle_objectives,
+)
 from drivora_service.parameters import describe_parameters
 from drivora_service.scenario.models.actor_models import ActorKind, actor_model, model_names
 
@@ -97,7 +100,10 @@ def describe_metrics(request: Request, context: Context) -> Response:
     """Describes the metrics of runs and the objectives of searches."""
     library = context.oracles.library
     laws = law_objectives([library.law(name) for name in library.names()])
-    return json_answer(request, MeasureList, MeasureList(items=(*METRICS, *OBJECTIVES, *laws)))
+    own = oracle_objectives(context.oracles.objectives())
+    metrics = context.catalogues.metrics.descriptions()
+    items = (*metrics, *OBJECTIVES, *own, *laws)
+    return json_answer(request, MeasureList, MeasureList(items=items))
 
 
 def _agent(catalogue: AgentCatalogue, name: str) -> Agent:

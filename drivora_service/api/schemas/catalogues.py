@@ -173,7 +173,7 @@ class Oracle(Schema):
 
 
 class MeasureList(Schema):
-    """All metrics, and the objectives of searches."""
+    """All metrics, and the objectives of searches, those of packages among them."""
 
     items: tuple[MeasureDescription, ...]
 

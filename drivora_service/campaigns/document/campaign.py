@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
+from drivora_service.feedback.objective_choice import ObjectiveChoice
 from drivora_service.oracles.verdicts.failure_definition import (
     DEFAULT_DEFINITION,
     FailureDefinition,
@@ -55,6 +56,7 @@ class Campaign:
         agent: The ADS of every ego; ``None``: as in the scenario.
         budget: Number of simulations; invalid candidates do not count.
         definition: What counts as a failure.
+        objectives: What the tester minimises in place of its own objectives; empty: its own.
         seed: Seed of every random draw of the search.
         workers: Worker processes; ``None``: as many as the installation has.
         lookahead: Number of candidates whose results the tester may lack. It receives results this
@@ -67,6 +69,7 @@ class Campaign:
     agent: AgentChoice | None = None
     space: SpaceOptions = field(default_factory=SpaceOptions)
     definition: FailureDefinition = DEFAULT_DEFINITION
+    objectives: tuple[ObjectiveChoice, ...] = ()
     seed: int = 0
     workers: int | None = None
     lookahead: int = DEFAULT_LOOKAHEAD

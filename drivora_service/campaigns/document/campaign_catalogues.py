@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
+    from drivora_service.feedback.catalogue import FeedbackCatalogue
+    from drivora_service.metrics.catalogue import MetricCatalogue
     from drivora_service.networks.catalogue import NetworkCatalogue
     from drivora_service.oracles.catalogue import OracleCatalogue
     from drivora_service.oracles.laws.sources import LawSource
@@ -51,6 +53,21 @@ class Catalogues:
         from drivora_service.search.catalogue import TesterCatalogue
 
         return TesterCatalogue()
+
+    @cached_property
+    def metrics(self) -> MetricCatalogue:
+        """The metrics of this installation."""
+        from drivora_service.metrics.catalogue import MetricCatalogue
+
+        return MetricCatalogue()
+
+    @cached_property
+    def feedbacks(self) -> FeedbackCatalogue:
+        """The feedbacks of this installation."""
+        from drivora_service.feedback.catalogue import FeedbackCatalogue
+
+        library = self.oracles.library
+        return FeedbackCatalogue([library.law(name) for name in library.names()])
 
     @cached_property
     def oracles(self) -> OracleCatalogue:

@@ -22,6 +22,7 @@ from drivora_service.campaigns.document.campaign import (
     FeedbackMode,
     TesterChoice,
 )
+from drivora_service.campaigns.document.feedback_documents import FeedbackDocument
 from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
@@ -279,6 +280,10 @@ class CampaignDocument(EntityDocument):
     )
     oracles: OracleNames | None = Field(
         None, description="The only oracles that count; without it, all but observations."
+    )
+    feedback: FeedbackDocument | None = Field(
+        None,
+        description="What the tester minimises; without it, what its own feedback measures.",
     )
     seed: fields.Seed = Field(0, description="Seed of every random draw of the search.")
     workers: Workers | None = Field(

@@ -22,6 +22,13 @@ from drivora_service.campaigns.document.campaign_documents import (
     TesterDocument,
     to_campaign,
 )
+from drivora_service.campaigns.document.feedback_choosing import (
+    FeedbackReading,
+    feedback_notes,
+    read_feedback,
+    versions_of_objectives,
+)
+from drivora_service.campaigns.document.feedback_documents import FeedbackDocument
 from drivora_service.errors import (
     InvalidDocument,
     OracleError,
@@ -43,6 +50,7 @@ from drivora_service.search.catalogue import (
     mutation_plugins,
     selection_plugins,
 )
+from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.space.presets import PRESETS
 
 M = TypeVar("M", bound=BaseModel)
@@ -171,13 +179,19 @@ def read_campaign(
         problems += _check_laws(tester, catalogues)
     if agent is not None:
         problems += _check_agent(agent, catalogues.agents)
+    feedback = document.feedback if document else _part(FeedbackDocument, content, "feedback")
+    objectives = FeedbackReading()
+    if feedback is not None:
+        plugin = None if tester is None else _find_plugin(tester.name, catalogues.testers)
+        objectives = read_feedback(feedback, plugin, catalogues)
+        problems += objectives.problems
     names = content.get("oracles")
     if isinstance(names, list | tuple):
         wrong = {problem.pointer for problem in problems}
         problems += _check_oracles(names, catalogues.oracles, wrong)
     if problems or document is None:
         raise InvalidDocument(in_document_order(problems, content))
-    campaign = to_campaign(document)
+    campaign = replace(to_campaign(document), objectives=objectives.objectives)
     seeds = tuple(
         SeedScenario(
             name=name, scenario=_replace_agent(campaign, one.scenario), network=one.network
@@ -196,6 +210,7 @@ def read_campaign(
                 for note in one.notes
             ),
             *_oracle_notes(campaign, seeds, catalogues.testers),
+            *feedback_notes(campaign.objectives, catalogues.testers.plugin(campaign.tester.name)),
         ),
         versions=_versions(campaign, [seed.scenario for seed in seeds], catalogues),
         configuration=catalogues.agents.configuration(
@@ -249,6 +264,8 @@ def _versions(
         **catalogues.testers.versions(tester.name),
         **mutation_plugins().versions(tester.mutation),
         **selection_plugins().versions(tester.selection),
+        **catalogues.feedbacks.versions(catalogues.testers.plugin(tester.name).feedback.name),
+        **versions_of_objectives(campaign.objectives, catalogues),
     }
     # Where none is named, any may count.
     oracles = list(campaign.definition.oracles or catalogues.oracles.names())
@@ -355,12 +372,18 @@ def _check_tester(tester: TesterDocument, catalogue: TesterCatalogue) -> Iterato
             yield Problem(pointer=f"/tester/{kind}", code="plugin", message=str(error))
 
 
+def _find_plugin(name: str, testers: TesterCatalogue) -> TesterPlugin[Any] | None:
+    """Returns a tester's plug-in; ``None`` if there is none that can be used."""
+    try:
+        return testers.plugin(name)
+    except (SearchError, UnknownName):
+        return None
+
+
 def _searches_laws(name: str, catalogues: Catalogues) -> bool:
     """Returns whether the results of a tester depend on the traffic laws of the installation."""
-    try:
-        return catalogues.testers.plugin(name).feedback.name == "lawbreaker"
-    except (SearchError, UnknownName):
-        return False
+    plugin = _find_plugin(name, catalogues.testers)
+    return plugin is not None and plugin.feedback.name == "lawbreaker"
 
 
 def _check_laws(tester: TesterDocument, catalogues: Catalogues) -> Iterator[Problem]:

@@ -18,6 +18,7 @@ from drivora_service.errors import InvalidDocument, NetworkError, Problem, Searc
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.planned_motion import PlannedMotion
 from drivora_service.scenario.model import NpcBehavior, Scenario
+from drivora_service.search.aims import aims_of
 from drivora_service.search.catalogue import make_components
 from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.space_candidates import ScenarioCandidates
@@ -125,7 +126,7 @@ def prepare_search(
     return Search(
         run_prefix=run_prefix,
         parts=tuple(parts),
-        feedback=plugin.feedback,
+        feedback=replace(plugin.feedback, objectives=campaign.objectives),
         definition=campaign.definition,
         budget=campaign.budget,
         lookahead=campaign.lookahead,
@@ -155,6 +156,7 @@ def _tester(
         decode_alike=space.decode_alike,
         ego_distance=space.ego_distance,
         checkpoints=checkpoints,
+        aims=aims_of(campaign.objectives),
     )
     components = make_components(mutation=choice.mutation, selection=choice.selection)
     tester = catalogues.testers.create(choice.name, context, choice.parameters, components)

@@ -32,10 +32,10 @@ class KnownNames:
 def names_of_installation(data_dir: Path | None = None) -> KnownNames:
     """Returns the names that this installation knows, with the laws beside a data folder."""
     from drivora_service.cli.application.installation import oracle_catalogue, settings_for
-    from drivora_service.metrics.metric_descriptions import METRICS
+    from drivora_service.metrics.catalogue import MetricCatalogue
 
     oracles = oracle_catalogue(settings_for(data_dir))
-    return KnownNames(oracles=oracles.names(), metrics=[one.name for one in METRICS])
+    return KnownNames(oracles=oracles.names(), metrics=MetricCatalogue().names())
 
 
 def shipped_suites() -> Path:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.search.aims import Guidance
 from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.tester import Evaluation, Proposal, TesterContext
@@ -57,4 +58,5 @@ RANDOM = TesterPlugin(
     feedback=FeedbackChoice(name="general"),
     create=_create,
     is_generational=False,
+    guidance=Guidance.NONE,
 )

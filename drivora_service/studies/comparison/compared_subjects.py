@@ -196,6 +196,7 @@ def _traits(document: CampaignDocument, testers: TesterCatalogue) -> dict[str, s
         **{name: _text(value) for name, value in _parameters(tester, testers).items()},
         "mutation": tester.mutation or "its own",
         "selection": tester.selection or "its own",
+        "feedback": "its own" if document.feedback is None else document.feedback.words,
         "lookahead": str(document.lookahead),
     }
 

@@ -51,6 +51,8 @@ def _make_search_rows(report: CampaignReport) -> list[tuple[str, str]]:
         rows.append(("mutation in place of its own", tester.mutation))
     if tester.selection:
         rows.append(("selection in place of its own", tester.selection))
+    if document.feedback is not None:
+        rows.append(("minimised in place of its own objectives", document.feedback.words))
     if tester.feedback is FeedbackMode.SHUFFLED:
         rows.append(("feedback", "shuffled: it was told the results of other candidates"))
     space = {k: v for k, v in document.space.model_dump(mode="json").items() if v is not False}

@@ -22,7 +22,7 @@ class Individual:
 
     Attributes:
         values: (d,) genes.
-        cost: Metres, to be minimised; infinite if not measurable.
+        cost: The objective, to be minimised (its own is in metres); infinite if not measurable.
         number: Number of its evaluation.
         without_effect: (d,) genes without effect in its run.
     """
@@ -61,10 +61,10 @@ class Offspring:
         return None
 
 
-def individual(evaluation: Evaluation) -> Individual:
-    """Returns the individual of an evaluation."""
+def individual(evaluation: Evaluation, objective: str = SAFETY_MARGIN) -> Individual:
+    """Returns the individual of an evaluation, whose cost is an objective."""
     measured = evaluation.measurement
-    cost = None if measured is None else measured.objectives[SAFETY_MARGIN]
+    cost = None if measured is None else measured.objectives[objective]
     return Individual(
         values=evaluation.proposal.values,
         cost=math.inf if cost is None else cost,

@@ -17,8 +17,10 @@ import numpy as np
 from pydantic import Field
 
 from drivora_service.errors import SearchError
+from drivora_service.feedback.avfuzzer import SAFETY_MARGIN
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.search.aims import Guidance
 from drivora_service.search.components import Components
 from drivora_service.search.distance import farthest
 from drivora_service.search.mutation import RedrawSlice
@@ -91,6 +93,7 @@ class AvfuzzerSearch:
             crossover_rate=parameters.crossover_rate,
             redrawing=Redrawing.of(context, parameters.redraws),
         )
+        self._objective = context.objective(SAFETY_MARGIN)
         self._generation = 0
         self._past: dict[int, FloatArray] = {}
         self._members: Counter[int] = Counter()
@@ -156,7 +159,8 @@ class AvfuzzerSearch:
         )
         evaluations = iter((yield proposals))
         population = tuple(
-            individual(next(evaluations)) if same is None else same for same in known
+            individual(next(evaluations), self._objective) if same is None else same
+            for same in known
         )
         return self._remember(population)
 
@@ -164,7 +168,7 @@ class AvfuzzerSearch:
         evaluations = yield tuple(
             Proposal(values=row, origin=origin, generation=self._generation) for row in values
         )
-        return self._remember(tuple(individual(told) for told in evaluations))
+        return self._remember(tuple(individual(told, self._objective) for told in evaluations))
 
     def _remember(self, population: Population) -> Population:
         self._generation += 1
@@ -204,4 +208,5 @@ AVFUZZER = TesterPlugin(
     feedback=FeedbackChoice(name="avfuzzer"),
     create=_create,
     is_generational=True,
+    guidance=Guidance.ONE,
 )

@@ -20,6 +20,7 @@ from drivora_service.feedback.behavexplor import DEGREE, WINDOWS
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.search.aims import Aim, Guidance
 from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.redrawing import ATTEMPTS, Redrawing, without_effect
@@ -104,7 +105,7 @@ class _Outcome:
     """The result of an evaluation.
 
     Attributes:
-        degree: Degree of violation, 0..1.
+        degree: Degree of violation, or the share of the chosen objective, 0..1.
         windows: (n, c), n >= 1; ``None`` if the ego's behaviour is not known.
         failed: Whether the campaign counts it as a failure.
         is_barred: Whether it failed, an ego collided, or an ego did not reach its destination.
@@ -137,6 +138,8 @@ class BehavexplorTester:
             spread=parameters.spread,
         )
         self._selection = components.selection or EnergySelection()
+        context.objective(DEGREE)  # Refuses several.
+        self._aim = context.aims[0] if context.aims else None
         self._redrawing = Redrawing.of(context, parameters.redraws)
         self._turn = Turn()
         self._open: deque[_Open] = deque()
@@ -170,7 +173,7 @@ class BehavexplorTester:
         self._turn.take(evaluation)
         asked = self._open.popleft()
         self._told += 1
-        outcome = _read(evaluation)
+        outcome = _read(evaluation, self._aim)
         if asked.parent is None:
             self._tell_drawn(evaluation, outcome)
         else:
@@ -257,8 +260,12 @@ def _seed(evaluation: Evaluation, outcome: _Outcome, energy: float) -> Seed:
     )
 
 
-def _read(evaluation: Evaluation) -> _Outcome:
+def _read(evaluation: Evaluation, aim: Aim | None) -> _Outcome:
     """Reads an evaluation; one that was not judged has no windows.
+
+    Args:
+        evaluation: The evaluation.
+        aim: The objective in place of the degree of violation; ``None``: the degree.
 
     Raises:
         SearchError: It was measured by another feedback.
@@ -271,7 +278,11 @@ def _read(evaluation: Evaluation) -> _Outcome:
             f"evaluation {evaluation.number} has no {DEGREE!r} or no {WINDOWS!r}; the tester "
             "'behavexplor' needs evaluations that were measured by the feedback 'behavexplor'"
         )
-    degree = measurement.objectives[DEGREE]
+    if aim is None:
+        degree = measurement.objectives[DEGREE]
+    else:
+        value = measurement.objectives[aim.name]
+        degree = None if value is None else aim.share(value)
     rows = measurement.features[WINDOWS]
     return _Outcome(
         degree=_WORST if degree is None else degree,
@@ -316,4 +327,5 @@ BEHAVEXPLOR = TesterPlugin(
     feedback=FeedbackChoice(name="behavexplor"),
     create=_create,
     is_generational=False,
+    guidance=Guidance.ONE,
 )

@@ -22,6 +22,7 @@ from drivora_service.feedback.decictor import CONSISTENCY, REFERENCE
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.runs.candidate import Reference
+from drivora_service.search.aims import Guidance
 from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.selection import Roulette
@@ -70,7 +71,8 @@ class Member:
 
     Attributes:
         values: (d,) genes.
-        cost: Consistency with the reference, to be minimised; infinite if not measurable.
+        cost: The objective, to be minimised (its own is the consistency with the reference);
+            infinite if not measurable.
         number: Number of its evaluation.
     """
 
@@ -81,10 +83,11 @@ class Member:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Start:
-    """The reference run: its genes, the number of its evaluation, and the paths."""
+    """The reference run: its genes, the number of its evaluation, its cost, and the paths."""
 
     values: FloatArray
     number: int
+    cost: float
     reference: Reference
 
 
@@ -104,11 +107,12 @@ class DecictorSearch:
         )
         self._selection = components.selection or Roulette()
         self._actors = optional_actors(context.space)
+        self._objective = context.objective(CONSISTENCY)
 
     def script(self) -> Script:
         """Runs the reference, then breeds generations without end."""
         start = yield from self._find_reference()
-        first = Member(values=start.values, cost=0.0, number=start.number)
+        first = Member(values=start.values, cost=start.cost, number=start.number)
         population = (first,) * self._parameters.population
         generation = 0
         while True:
@@ -124,7 +128,7 @@ class DecictorSearch:
                 for parent in population
             )
             # A found failure is not bred, as it could only be found again.
-            fit = tuple(_member(told) for told in children if _may_breed(told))
+            fit = tuple(self._member(told) for told in children if self._may_breed(told))
             population = self._select((*population, *fit))
 
     def _find_reference(self) -> Generator[tuple[Proposal, ...], tuple[Evaluation, ...], _Start]:
@@ -139,7 +143,15 @@ class DecictorSearch:
                 continue
             reference = _reference(told)
             if reference is not None:
-                return _Start(values=told.proposal.values, number=told.number, reference=reference)
+                # It is compared with itself.
+                is_own = self._objective == CONSISTENCY
+                member = self._member(told)
+                return _Start(
+                    values=member.values,
+                    number=member.number,
+                    cost=0.0 if is_own else member.cost,
+                    reference=reference,
+                )
             tries += 1
             if tries > self._parameters.reference_tries or not self._others_vary():
                 raise SearchError(
@@ -168,6 +180,24 @@ class DecictorSearch:
         count = self._parameters.population
         return tuple(members[i] for i in self._selection.select(costs, count, self._random))
 
+    def _may_breed(self, told: Evaluation) -> bool:
+        return (
+            told.status is EvaluationStatus.JUDGED
+            and not told.violations
+            and told.measurement is not None
+            and told.measurement.objectives[self._objective] is not None
+        )
+
+    def _member(self, told: Evaluation) -> Member:
+        measured = (
+            None if told.measurement is None else told.measurement.objectives[self._objective]
+        )
+        return Member(
+            values=told.proposal.values,
+            cost=math.inf if measured is None else measured,
+            number=told.number,
+        )
+
 
 def _reference(told: Evaluation) -> Reference | None:
     """Returns the paths of a reference run; ``None`` if an ego did not arrive."""
@@ -183,24 +213,6 @@ def _reference(told: Evaluation) -> Reference | None:
     # The seed scenario has reference paths of its own.
     is_compared = measured.objectives.get(CONSISTENCY) is not None
     return Reference() if is_compared else None
-
-
-def _may_breed(told: Evaluation) -> bool:
-    return (
-        told.status is EvaluationStatus.JUDGED
-        and not told.violations
-        and told.measurement is not None
-        and told.measurement.objectives[CONSISTENCY] is not None
-    )
-
-
-def _member(told: Evaluation) -> Member:
-    measured = None if told.measurement is None else told.measurement.objectives[CONSISTENCY]
-    return Member(
-        values=told.proposal.values,
-        cost=math.inf if measured is None else measured,
-        number=told.number,
-    )
 
 
 def _create(
@@ -227,4 +239,5 @@ DECICTOR = TesterPlugin(
     is_generational=True,
     oracle="non_optimal_decision",
     compares_paths=True,
+    guidance=Guidance.ONE,
 )

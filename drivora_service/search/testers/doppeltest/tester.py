@@ -10,6 +10,7 @@ import numpy as np
 from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
+from drivora_service.search.aims import Guidance
 from drivora_service.search.components import Components, Mutation, Selection
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.redrawing import Redrawing, without_effect
@@ -34,8 +35,8 @@ class Individual:
     Attributes:
         number: Number of its evaluation.
         values: (d,) genes.
-        objectives: Objectives of the feedback, then the negated number of new violations; NaN is
-            not measurable.
+        objectives: Objectives of the feedback, or those that the campaign chose, then the negated
+            number of new violations; NaN is not measurable.
         without_effect: (d,) genes without effect in its run.
     """
 
@@ -64,6 +65,7 @@ class DoppelTest:
         _check_rates(parameters)
         self._random, self._space = context.random, context.space
         self._parameters = parameters
+        self._aims = tuple(aim.name for aim in context.aims)
         self._chromosome = Chromosome(context.space, context.conflicts)
         self._mutation: Mutation = components.mutation or DoppelTestMutation(
             chromosome=self._chromosome, parameters=parameters
@@ -147,10 +149,9 @@ class DoppelTest:
             self._proposed.add(values.tobytes())
             if evaluation.measurement is None:
                 continue
-            measured = [
-                np.nan if value is None else value
-                for value in evaluation.measurement.objectives.values()
-            ]
+            objectives = evaluation.measurement.objectives
+            values_of = [objectives[name] for name in self._aims or objectives]
+            measured = [np.nan if value is None else value for value in values_of]
             new = self.violations.count_new(evaluation)
             individuals.append(
                 Individual(
@@ -202,4 +203,5 @@ DOPPELTEST = TesterPlugin(
     feedback=FeedbackChoice(name="doppeltest"),
     create=_create,
     is_generational=True,
+    guidance=Guidance.SEVERAL,
 )

@@ -19,6 +19,7 @@ from drivora_service.errors import SearchError
 from drivora_service.feedback.drivefuzz import QUALITY
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.search.aims import Guidance
 from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.selection import Truncation
@@ -60,6 +61,7 @@ class DrivefuzzSearch:
         self._parameters = parameters
         self._mutation = components.mutation
         self._selection = components.selection or Truncation()
+        self._objective = context.objective(QUALITY)
         self._cycle = 0
         self.adding = Adding(
             context.space,
@@ -97,30 +99,24 @@ class DrivefuzzSearch:
 
     def _worst(self, evaluations: tuple[Evaluation, ...]) -> Evaluation | None:
         """Returns the evaluation with the lowest quality; ``None`` if none is measurable."""
-        known = [(one, quality) for one in evaluations if (quality := _quality(one)) is not None]
+        known = [
+            (one, quality) for one in evaluations if (quality := self._quality(one)) is not None
+        ]
         if not known:
             return None
         objectives = np.array([[quality] for _, quality in known])
         (chosen,) = self._selection.select(objectives, 1, self._random)
         return known[int(chosen)][0]
 
+    def _quality(self, evaluation: Evaluation) -> float | None:
+        """Returns the objective; ``None`` if it was not judged or not measurable.
 
-def _quality(evaluation: Evaluation) -> float | None:
-    """Returns the driving quality; ``None`` if it was not judged or not measurable.
-
-    Raises:
-        SearchError: It was measured by another feedback.
-    """
-    measurement = evaluation.measurement
-    if measurement is None:
-        return None
-    if QUALITY not in measurement.objectives:
-        raise SearchError(
-            f"evaluation {evaluation.number} has no {QUALITY!r}; the tester 'drivefuzz' needs "
-            "evaluations that were measured by the feedback 'drivefuzz'"
-        )
-    quality = measurement.objectives[QUALITY]
-    return quality if quality is not None and math.isfinite(quality) else None
+        Raises:
+            UnknownObjective: It was measured by another feedback.
+        """
+        measurement = evaluation.measurement
+        quality = None if measurement is None else measurement.objectives[self._objective]
+        return quality if quality is not None and math.isfinite(quality) else None
 
 
 def _create(
@@ -151,4 +147,5 @@ DRIVEFUZZ = TesterPlugin(
     feedback=FeedbackChoice(name="drivefuzz"),
     create=_create,
     is_generational=True,
+    guidance=Guidance.ONE,
 )

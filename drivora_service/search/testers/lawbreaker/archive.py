@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from drivora_service.feedback.lawbreaker import law_of
 from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.search.aims import Aim
 from drivora_service.search.tester import Evaluation
+
+_COVERED = -1.0
+"""Cost of a chosen objective that has reached its target."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -16,7 +20,8 @@ class Individual:
 
     Attributes:
         values: (d,) genes.
-        costs: Negated robustness by sub-violation: below 0 it is covered.
+        costs: Negated robustness by sub-violation, or the shares of objectives that the campaign
+            chose by their names: below 0 it is covered.
         number: Number of its evaluation.
     """
 
@@ -28,13 +33,15 @@ class Individual:
 class Archive:
     """Keeps, for each uncovered sub-violation, the scenario nearest to it."""
 
-    def __init__(self, laws: Collection[str]) -> None:
+    def __init__(self, laws: Collection[str], aims: Sequence[Aim] = ()) -> None:
         """Creates an empty archive.
 
         Args:
             laws: Laws whose sub-violations count; none: all.
+            aims: Objectives that the campaign chose in place of sub-violations.
         """
         self._laws = frozenset(laws)
+        self._aims = tuple(aims)
         self._nearest: dict[str, Individual] = {}
         self._covered: set[str] = set()
 
@@ -42,14 +49,24 @@ class Archive:
         """Returns the individual of an evaluation; ``None`` if it was not measured."""
         if evaluation.measurement is None:
             return None
-        costs = {
-            name: cost
-            for name, cost in evaluation.measurement.objectives.items()
-            if cost is not None and (not self._laws or law_of(name) in self._laws)
-        }
+        costs = self._costs(evaluation.measurement.objectives)
         if not costs:
             return None
         return Individual(values=evaluation.proposal.values, costs=costs, number=evaluation.number)
+
+    def _costs(self, objectives: Mapping[str, float | None]) -> dict[str, float]:
+        if self._aims:
+            values = {aim: objectives[aim.name] for aim in self._aims}
+            return {
+                aim.name: _COVERED if aim.is_reached(value) else aim.share(value)
+                for aim, value in values.items()
+                if value is not None
+            }
+        return {
+            name: cost
+            for name, cost in objectives.items()
+            if cost is not None and (not self._laws or law_of(name) in self._laws)
+        }
 
     def add(self, individual: Individual) -> None:
         """Retires the sub-violations that a scenario covers, and keeps it where it is nearest.

@@ -18,6 +18,7 @@ from pydantic import Field
 from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import FloatArray
+from drivora_service.search.aims import Guidance
 from drivora_service.search.components import Components
 from drivora_service.search.crossover import one_point
 from drivora_service.search.mutation import GaussianMutation
@@ -62,7 +63,7 @@ class LawbreakerSearch:
         self._space, self._random = context.space, context.random
         self._parameters = parameters
         self._mutation = components.mutation or GaussianMutation()
-        self.archive = Archive(parameters.laws)
+        self.archive = Archive(parameters.laws, context.aims)
         self._generation = 0
 
     def script(self) -> Script:
@@ -152,6 +153,12 @@ class LawbreakerSearch:
 def _create(
     context: TesterContext, parameters: LawbreakerParameters, components: Components
 ) -> ScriptedTester:
+    if parameters.laws and context.aims:
+        chosen = ", ".join(aim.name for aim in context.aims)
+        raise SearchError(
+            f"the parameter `laws` chooses sub-violations, and the campaign's feedback {chosen}; "
+            "leave one of them out"
+        )
     if not context.space.varies.any():
         raise SearchError("lawbreaker needs a gene that varies; vary at least one part")
     return ScriptedTester(LawbreakerSearch(context, parameters, components).script())
@@ -167,4 +174,5 @@ LAWBREAKER = TesterPlugin(
     feedback=FeedbackChoice(name="lawbreaker"),
     create=_create,
     is_generational=True,
+    guidance=Guidance.SEVERAL,
 )

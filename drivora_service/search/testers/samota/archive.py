@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
+from drivora_service.search.aims import Aim
 from drivora_service.search.testers.samota.encoding import Encoding
 
 NOT_MEASURABLE = 1.0
@@ -21,8 +22,15 @@ class Database:
         numbers: Numbers of the evaluations.
     """
 
-    def __init__(self, encoding: Encoding) -> None:
+    def __init__(self, encoding: Encoding, aims: Sequence[Aim] = ()) -> None:
+        """Creates an empty database.
+
+        Args:
+            encoding: Encodes candidates as features.
+            aims: Objectives that the campaign chose; none: all that are measured.
+        """
         self._encoding = encoding
+        self._aims = {aim.name: aim for aim in aims}
         self._values: list[FloatArray] = []
         self._features: list[FloatArray] = []
         self._objectives: list[FloatArray] = []
@@ -37,14 +45,19 @@ class Database:
 
     def add(self, number: int, values: FloatArray, objectives: Mapping[str, float | None]) -> None:
         """Adds a judged candidate."""
-        self.names = self.names or tuple(objectives)
-        row = [objectives.get(name) for name in self.names]
+        self.names = self.names or tuple(self._aims or objectives)
+        row = [self._share(name, objectives[name]) for name in self.names]
         self.numbers.append(number)
         self._values.append(values)
         self._features.append(self._encoding.encode(values[None])[0])
         self._objectives.append(np.array([NOT_MEASURABLE if v is None else v for v in row]))
         self._known.add(self._features[-1].tobytes())
         self._tables = None
+
+    def _share(self, name: str, value: float | None) -> float | None:
+        """Returns a chosen objective on the scale of the feedback's own, 0 at its target."""
+        aim = self._aims.get(name)
+        return value if aim is None or value is None else aim.share(value)
 
     def note(self, values: FloatArray) -> None:
         """Records a candidate as proposed, so that it is not proposed again."""
@@ -111,8 +124,16 @@ class Archive:
         round: Number of the round, from 0.
     """
 
-    def __init__(self, threshold: float) -> None:
+    def __init__(self, threshold: float, aims: Sequence[Aim] = ()) -> None:
+        """Creates an empty archive.
+
+        Args:
+            threshold: Value at and below which an objective of the feedback is covered.
+            aims: Objectives that the campaign chose, which have their own targets; none: all that
+                are measured.
+        """
         self._threshold = threshold
+        self._aims = {aim.name: aim for aim in aims}
         self._best: dict[str, tuple[float, int]] = {}
         self._covered: set[str] = set()
         self.round = 0
@@ -120,12 +141,17 @@ class Archive:
     def update(self, number: int, objectives: Mapping[str, float | None]) -> None:
         """Takes an evaluation into account; an equal one does not replace an objective's best."""
         for name, value in objectives.items():
-            if value is None:
+            if value is None or (self._aims and name not in self._aims):
                 continue
             if name not in self._best or value < self._best[name][0]:
                 self._best[name] = (value, number)
-            if value <= self._threshold:
+            if self._is_covered(name, value):
                 self._covered.add(name)
+
+    def _is_covered(self, name: str, value: float) -> bool:
+        if name in self._aims:
+            return self._aims[name].is_reached(value)
+        return value <= self._threshold
 
     @property
     def covered(self) -> frozenset[str]:

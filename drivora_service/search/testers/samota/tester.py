@@ -8,6 +8,7 @@ import numpy as np
 
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
+from drivora_service.search.aims import Guidance
 from drivora_service.search.components import Components
 from drivora_service.search.distance import candidate_distances
 from drivora_service.search.genes import GeneSpace
@@ -73,8 +74,8 @@ class SamotaSearch:
         self._parameters = parameters
         self._encoding = Encoding(context.space)
         self._initialisation = AdaptiveRandom(context.space, pool=parameters.pool)
-        self.database = Database(self._encoding)
-        self.archive = Archive(parameters.threshold)
+        self.database = Database(self._encoding, context.aims)
+        self.archive = Archive(parameters.threshold, context.aims)
         breeding = Breeding(
             crossover=parameters.crossover,
             tournament=parameters.tournament,
@@ -217,4 +218,5 @@ SAMOTA = TesterPlugin(
     feedback=FeedbackChoice(name="samota"),
     create=_create,
     is_generational=True,
+    guidance=Guidance.SEVERAL,
 )
