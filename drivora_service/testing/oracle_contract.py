@@ -10,10 +10,12 @@ Derive a test class from ``OracleContract`` in a test module and name the oracle
 from __future__ import annotations
 
 import json
+import math
 import pickle
 import re
 from abc import ABC, abstractmethod
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -31,7 +33,13 @@ from drivora_service.testing.traces import (
 
 
 class OracleContract(ABC):
-    """The tests; each uses a new oracle."""
+    """The tests; each uses a new oracle.
+
+    Attributes:
+        objectives: Names of the objectives of its plug-in.
+    """
+
+    objectives: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
     def make_oracle(self) -> Oracle:
@@ -103,6 +111,18 @@ class OracleContract(ABC):
         for trace in example_runs():
             for verdict in self._judge(trace):
                 json.dumps(dict(verdict.evidence), allow_nan=False)
+
+    def test_its_objectives_are_evidence_and_0_is_the_least_of_a_passed_run(self) -> None:
+        for trace in example_runs():
+            for verdict in self._judge(trace):
+                for name in self.objectives:
+                    if verdict.outcome not in (Outcome.PASSED, Outcome.VIOLATED):
+                        continue
+                    assert name in verdict.evidence, f"{verdict.outcome} without {name}"
+                    value = verdict.evidence[name]
+                    if value is not None:
+                        assert math.isfinite(value)
+                        assert value <= 0.0 if verdict.outcome is Outcome.VIOLATED else value >= 0.0
 
     def test_judging_twice_says_the_same(self) -> None:
         for trace in example_runs():

@@ -19,10 +19,12 @@ import numpy as np
 import pytest
 
 from drivora_service.errors import SearchError
+from drivora_service.feedback.catalogue import FeedbackCatalogue
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.runs.adversary import AdversarySource
+from drivora_service.search.aims import Aim, Guidance
 from drivora_service.search.components import Components
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.plugin import TesterPlugin
@@ -41,7 +43,7 @@ class TesterContract:
 
     Attributes:
         plugin: The tester under test.
-        objectives: Names of the objectives of its feedback.
+        objectives: Names of the objectives that are measured; empty: those of its feedback.
         budget: Evaluations of the longer tests.
     """
 
@@ -49,7 +51,7 @@ class TesterContract:
     __test__ = False
 
     plugin: ClassVar[TesterPlugin[Any]]
-    objectives: ClassVar[tuple[str, ...]] = ("min_gap", "time_to_collision", "progress")
+    objectives: ClassVar[tuple[str, ...]] = ()
     budget: ClassVar[int] = 150
 
     def __init_subclass__(cls) -> None:
@@ -63,17 +65,27 @@ class TesterContract:
 
     def measure(self, unit: FloatArray) -> Measurement:
         """Measures a candidate, given as (d,) values in 0..1, without a simulator."""
+        names = self.objectives or self.feedback_objectives()
         return Measurement(
             objectives={
-                name: float(np.mean(np.abs(unit[i :: len(self.objectives)] - 0.3)))
-                for i, name in enumerate(self.objectives)
+                name: float(np.mean(np.abs(unit[i :: len(names)] - 0.3)))
+                for i, name in enumerate(names)
             }
         )
 
-    def create(self, seed: int = 7) -> Tester:
-        """Makes the tester with its default parameters."""
+    def feedback_objectives(self) -> tuple[str, ...]:
+        """Returns the names of all objectives that its feedback measures."""
+        return tuple(FeedbackCatalogue().create(self.plugin.feedback).objectives)
+
+    def create(self, seed: int = 7, aims: tuple[Aim, ...] = ()) -> Tester:
+        """Makes the tester with its default parameters.
+
+        Args:
+            seed: Seed of its random draws.
+            aims: Objectives that a campaign chose.
+        """
         context = TesterContext(
-            space=self.space(), random=np.random.default_rng(seed), budget=self.budget
+            space=self.space(), random=np.random.default_rng(seed), budget=self.budget, aims=aims
         )
         return self.plugin.create(context, self.plugin.parameters(), Components())
 
@@ -216,6 +228,44 @@ class TesterContract:
             return replace(self.judged(number, proposal), violations=(), verdicts=(by_another,))
 
         assert len(self.play(self.create(), 60, 4, judge)) == 60
+
+    def test_it_asks_only_for_objectives_that_its_feedback_measures(self) -> None:
+        known = self.feedback_objectives()
+        assert set(self.objectives) <= set(known)
+
+        def judge(number: int, proposal: Proposal) -> Evaluation:
+            told = self.judged(number, proposal)
+            measured = self.measure(self.space().to_unit(proposal.values))
+            # All of its feedback, and no others: another name raises `UnknownObjective`.
+            values = {
+                name: measured.objectives.get(name) if name in measured.objectives else 0.5
+                for name in known
+            }
+            return replace(told, scores=values, measurement=replace(measured, objectives=values))
+
+        assert len(self.play(self.create(), 60, 4, judge)) == 60
+
+    def test_it_goes_by_the_objectives_that_a_campaign_chooses(self) -> None:
+        if self.plugin.guidance not in (Guidance.ONE, Guidance.SEVERAL):
+            return
+        aim = Aim(name="chosen", target=0.0)
+
+        def judge(sign: float) -> Callable[[int, Proposal], Evaluation]:
+            def evaluate(number: int, proposal: Proposal) -> Evaluation:
+                told = self.judged(number, proposal)
+                unit = self.space().to_unit(proposal.values)
+                measured = self.measure(unit)
+                value = 2.0 + sign * float(unit.mean())
+                values = {**dict.fromkeys(measured.objectives, 0.5), "chosen": value}
+                measurement = replace(measured, objectives=values)
+                return replace(told, violations=(), verdicts=(), measurement=measurement)
+
+            return evaluate
+
+        one, other = (
+            self.play(self.create(aims=(aim,)), self.budget, 3, judge(sign)) for sign in (1.0, -1.0)
+        )
+        assert [_key(e.proposal) for e in one] != [_key(e.proposal) for e in other]
 
     def test_a_wrong_order_is_refused(self) -> None:
         tester = self.create()

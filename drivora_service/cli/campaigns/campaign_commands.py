@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +10,7 @@ import typer
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.campaigns.campaign_export_command import export
 from drivora_service.cli.campaigns.campaign_presets_command import presets
+from drivora_service.cli.campaigns.campaign_validate_command import exit_on_problems, validate
 from drivora_service.cli.campaigns.comparison_commands import compare, report
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.error_printing import say_error
@@ -25,17 +25,14 @@ from drivora_service.cli.terminal.options import (
 from drivora_service.cli.terminal.out_option import check_file, check_folder
 from drivora_service.cli.terminal.output import (
     JsonOption,
-    fail,
     note,
     print_json,
     print_shape,
     write_text,
 )
-from drivora_service.errors import ConfigurationError, InvalidDocument, ServiceError
+from drivora_service.errors import ConfigurationError, ServiceError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from drivora_service.api.schemas.campaigns import Campaign
     from drivora_service.cli.runs.run_gates import Gate
     from drivora_service.client import Client
@@ -111,7 +108,7 @@ def run(
         from drivora_service.cli.campaigns.campaign_files import read_campaign_file
         from drivora_service.cli.campaigns.campaign_gates import gate_of_document
 
-        with _exit_on_problems(file):
+        with exit_on_problems(file):
             document = read_campaign_file(file)
             chosen = gate_of_document(client, document, gate_oracle or (), is_wanted=gate)
             campaign = client.post_campaign(json.dumps(document))
@@ -265,18 +262,7 @@ app.command()(compare)
 app.command()(report)
 app.command()(export)
 app.command()(presets)
-
-
-@contextmanager
-def _exit_on_problems(file: Path) -> Iterator[None]:
-    """Prints what is wrong with a campaign file, each problem with its place."""
-    try:
-        yield
-    except InvalidDocument as error:
-        fail(f"{file}: {len(error.problems)} problem(s)")
-        for problem in error.problems:
-            typer.echo(f"  {problem.pointer or '/'}: {problem.message}", err=True)
-        raise typer.Exit(ExitCode.USAGE_ERROR) from error
+app.command()(validate)
 
 
 def _refuse_detaching(detach: bool, server: str) -> None:

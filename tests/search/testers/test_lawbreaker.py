@@ -35,6 +35,9 @@ class TestLawbreaker(TesterContract):
     plugin = LAWBREAKER
     objectives = ("speed/1", "speed/2", "light/1")
 
+    def feedback_objectives(self) -> tuple[str, ...]:
+        return self.objectives
+
 
 class TestLawbreakerWithFewGenes(TestLawbreaker):
     def space(self) -> GeneSpace:
