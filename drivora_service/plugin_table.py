@@ -9,7 +9,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
-from importlib.metadata import EntryPoint, EntryPoints, entry_points
+from importlib.metadata import (
+    EntryPoint,
+    EntryPoints,
+    PackageNotFoundError,
+    distribution,
+    entry_points,
+)
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
@@ -111,6 +117,34 @@ class PluginTable(Generic[P]):
                 f"{where} is the {self._kind} {loaded.name!r}: give the entry point the same name"
             )
         return loaded
+
+
+def describe_missing_packages(versions: Mapping[str, str], made: str) -> str:
+    """Returns which packages are missing that took part in something, and how to install them.
+
+    Args:
+        versions: Versions of all software that took part, by the name of its package.
+        made: What they took part in, as the beginning of a sentence: ``the run``.
+
+    Returns:
+        One sentence; "" if all are installed.
+    """
+    missing = {}
+    for name, known in sorted(versions.items()):
+        # Names with a slash are of files, not of packages.
+        if "/" not in name and isinstance(known, str):
+            try:
+                distribution(name)
+            except PackageNotFoundError:
+                missing[name] = known
+    if not missing:
+        return ""
+    named = ", ".join(f"{name} {known}" for name, known in missing.items())
+    install = " ".join(f"{name}=={known}" for name, known in missing.items())
+    return (
+        f"{made} was made with {named}, not installed here: install it again (`python -m pip "
+        f"install {install}`, or the folder of the package), and restart a service"
+    )
 
 
 def _entry_points() -> Mapping[str, EntryPoints]:

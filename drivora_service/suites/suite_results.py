@@ -87,6 +87,8 @@ class SuiteResults(Shape):
         scenarios: Hash of each scenario that was run, by its name.
         shards: Shards of which these are the results, such as `2/4`; empty: not a shard.
         versions: Versions of the software that took part, by name.
+        oracles: Names of the oracles that judged, sorted; empty in files of versions that did not
+            record them. By these the results are decided on without the packages of oracles.
         runs: The runs, in the order of the suite and of their repetitions.
     """
 
@@ -99,6 +101,7 @@ class SuiteResults(Shape):
     scenarios: Mapping[str, str]
     shards: tuple[str, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
+    oracles: tuple[str, ...] = ()
     runs: tuple[SuiteRun, ...]
 
     @property
@@ -110,6 +113,17 @@ class SuiteResults(Shape):
             if run.configuration_id
         }
         return found.pop() if len(found) == 1 else None
+
+    @property
+    def judged_by(self) -> frozenset[str]:
+        """The oracles of which it is known that they judged."""
+        violated = {verdict.oracle for run in self.runs for verdict in run.violations}
+        return frozenset({*self.oracles, *violated})
+
+    @property
+    def measured(self) -> frozenset[str]:
+        """The metrics that runs have, without those of single egos."""
+        return frozenset(name.partition("[")[0] for run in self.runs for name in run.metrics)
 
     def of_scenario(self) -> dict[str, list[SuiteRun]]:
         """Returns the runs of each scenario."""
@@ -217,6 +231,7 @@ def merge_results(parts: Sequence[SuiteResults]) -> SuiteResults:
         size=max(part.size for part in parts),
         scenarios=scenarios,
         shards=tuple(shard for part in parts for shard in part.shards),
+        oracles=tuple(sorted({name for part in parts for name in part.oracles})),
         runs=(),
     )
     return merged.with_runs([run for part in parts for run in part.runs])

@@ -18,9 +18,12 @@ from drivora_service.campaigns.search.conducting import Watcher, conduct
 from drivora_service.errors import (
     CampaignError,
     Conflict,
+    DrivoraError,
+    InvalidDocument,
     StoreUnavailable,
     WorkersCannotStart,
 )
+from drivora_service.plugin_table import describe_missing_packages
 from drivora_service.store.campaigns.campaign_records import (
     CampaignRecord,
     CampaignState,
@@ -118,7 +121,10 @@ def run_stored(
         journal = StoreJournal(database, campaign_id, claim=claim)
         asking = replace(watcher, requested=lambda: watcher.requested() or journal.read_request())
         try:
-            valid = read_campaign(record.document, catalogues)
+            try:
+                valid = read_campaign(record.document, catalogues)
+            except InvalidDocument as error:
+                raise _name_missing_packages(error, record) from error
             _refuse_other_network(record, valid)
             _refuse_other_versions(record, valid)
             search = prepare_search(
@@ -151,6 +157,15 @@ def run_stored(
             journal.end(CampaignState.FAILED, message)
             raise
         return journal.end(state)
+
+
+def _name_missing_packages(error: InvalidDocument, record: CampaignRecord) -> DrivoraError:
+    """Returns an error that also says which packages the campaign was made with and lacks now."""
+    missing = describe_missing_packages(record.versions, f"campaign {record.id}")
+    places = ", ".join(dict.fromkeys(problem.pointer for problem in error.problems))
+    return (
+        CampaignError(f"{missing}. Its results are kept. Not found: {places}") if missing else error
+    )
 
 
 def _refuse_other_network(record: CampaignRecord, valid: ValidCampaign) -> None:

@@ -21,6 +21,7 @@ from drivora_service.errors import (
 )
 from drivora_service.observations.trace_files.checked_trace import read_checked_trace
 from drivora_service.observations.trace_files.stored_trace import StoredTrace
+from drivora_service.plugin_table import describe_missing_packages
 from drivora_service.scenario.documents import document_text, parse_document
 from drivora_service.store.engine.chunks import batched
 from drivora_service.store.failures.failure_records import FoundFilter
@@ -158,14 +159,15 @@ def _replay_batch(
     except InvalidDocument as error:
         for place, original in enumerate(originals):
             problems = problems_of_item(error.problems, place)
-            tell(make_not_replayed(original, _describe_refusal(problems)))
+            tell(make_not_replayed(original, _describe_refusal(problems, original)))
         return
     for item in submission.items:
         if item.problems:
             listed = [
                 Problem(pointer=p.pointer, code=p.code, message=p.message) for p in item.problems
             ]
-            tell(make_not_replayed(originals[item.item], _describe_refusal(listed)))
+            original = originals[item.item]
+            tell(make_not_replayed(original, _describe_refusal(listed, original)))
     with (
         note_batch_on_stop(submission.batch.id, where),
         TemporaryDirectory(prefix="drivora-") as scratch,
@@ -216,8 +218,10 @@ def _copy_recordings(files: Sequence[Path], out: Path, name: str) -> list[str]:
     return kept
 
 
-def _describe_refusal(problems: Sequence[Problem]) -> str:
-    return f"its scenario cannot be run here: {_in_words(problems)}"
+def _describe_refusal(problems: Sequence[Problem], original: RunRecord) -> str:
+    missing = describe_missing_packages(original.run.versions, "it")
+    said = f"{missing}; " if missing else ""
+    return f"its scenario cannot be run here: {said}{_in_words(problems)}"
 
 
 def _in_words(problems: Sequence[Problem]) -> str:

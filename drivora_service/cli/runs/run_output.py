@@ -118,6 +118,9 @@ def print_result(result: ScenarioResult, *, where: str = "") -> None:
     if run.metrics:
         metrics = ((name, number(value, 3)) for name, value in run.metrics.items())
         print_table("Metrics", ("metric", "value"), metrics)
+    if run.scores:
+        scores = ((name, number(value, 3)) for name, value in run.scores.items())
+        print_table("Objectives: the least is nearest to a failure", ("objective", "value"), scores)
     if run.configuration_id:
         print(f"Configuration {run.configuration_id}: {run.configuration}")
     for ego, agent in run.agents.items():

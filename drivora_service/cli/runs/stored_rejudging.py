@@ -14,7 +14,9 @@ from drivora_service.observations.trace import Trace
 from drivora_service.observations.trace_files.checked_trace import read_checked_trace
 from drivora_service.observations.trace_files.stored_trace import StoredTrace
 from drivora_service.oracles.oracles_version import judged_by_current
+from drivora_service.oracles.verdicts.verdict_changes import NOT_JUDGED
 from drivora_service.oracles.verdicts.verdict_json import verdict_content
+from drivora_service.plugin_table import describe_missing_packages
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.settings import Settings
 from drivora_service.store.campaigns.campaign_records import Confirmation
@@ -116,7 +118,11 @@ def _rejudge_run(client: Client, wanted: StoredRun, judge: Rejudge, scratch: Pat
     by_others = is_finished and not judged_by_current(run.versions)
     named = replace(named, by_other_oracles=by_others)
     before = [verdict_content(one) for one in run.verdicts] if is_finished else None
-    return judge.judge(named, read, before, note="judged; the stored run has no verdicts")
+    judged = judge.judge(named, read, before, note="judged; the stored run has no verdicts")
+    if any(change.after == NOT_JUDGED for change in judged.changes):
+        missing = describe_missing_packages(run.versions, "it")
+        return replace(judged, note=missing)
+    return judged
 
 
 def _not_judged(named: Rejudged, why: str, *, is_error: bool = True) -> Rejudged:

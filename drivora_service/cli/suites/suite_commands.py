@@ -208,6 +208,7 @@ def judge(
         names_of_installation,
         read_gate_path,
         read_suite_path,
+        with_names_of,
     )
     from drivora_service.cli.suites.suite_reports import ReportFiles
     from drivora_service.suites.suite_checks import check_results, check_shards
@@ -215,9 +216,9 @@ def judge(
 
     files = ReportFiles(junit=junit, page=report, summary=summary, csv=csv, results=merged)
     files.check()
-    known = names_of_installation()
-    read, gate = read_suite_path(suite, known), read_gate_path(gate_file, known)
     done = merge_results([read_results(path) for path in results])
+    known = with_names_of(done, names_of_installation())
+    read, gate = read_suite_path(suite, known), read_gate_path(gate_file, known)
     check_shards(done, read)
     for remark in check_results(done, read):
         note(f"note: {remark}")
@@ -249,6 +250,7 @@ def accept(
         names_of_installation,
         read_gate_path,
         read_suite_path,
+        with_names_of,
     )
     from drivora_service.suites.gate.baseline import (
         BaselineChange,
@@ -260,9 +262,9 @@ def accept(
     from drivora_service.suites.suite_results import merge_results, read_results
 
     check_file(baseline)
-    known = names_of_installation()
-    read, gate = read_suite_path(suite, known), read_gate_path(gate_file, known)
     done = merge_results([read_results(path) for path in results])
+    known = with_names_of(done, names_of_installation())
+    read, gate = read_suite_path(suite, known), read_gate_path(gate_file, known)
     for remark in (*check_results(done, read), *check_judged(done)):
         note(f"note: {remark}")
     old = read_baseline(baseline) if baseline.is_file() else None

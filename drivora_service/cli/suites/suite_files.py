@@ -17,6 +17,7 @@ from drivora_service.suites.gate.gate_documents import GateDocument
 from drivora_service.suites.gate.gate_reading import read_gate_document
 from drivora_service.suites.suite import Suite
 from drivora_service.suites.suite_reading import read_suite
+from drivora_service.suites.suite_results import SuiteResults
 
 _NAMES = ("suite.yaml", "suite.yml", "suite.json")
 
@@ -27,6 +28,14 @@ class KnownNames:
 
     oracles: Collection[str]
     metrics: Collection[str]
+
+
+def with_names_of(results: SuiteResults, known: KnownNames) -> KnownNames:
+    """Returns known names with those of results, whose packages need not be installed here."""
+    return KnownNames(
+        oracles=tuple(dict.fromkeys((*known.oracles, *sorted(results.judged_by)))),
+        metrics=tuple(dict.fromkeys((*known.metrics, *sorted(results.measured)))),
+    )
 
 
 def names_of_installation(data_dir: Path | None = None) -> KnownNames:

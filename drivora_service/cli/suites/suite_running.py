@@ -89,7 +89,7 @@ def run_suite(
         for repetition in range(order.repetitions)
         for scenario in chosen
     ]
-    runs, versions = _run(client, suite, planned, order, on_run=on_run)
+    runs, versions, oracles = _run(client, suite, planned, order, on_run=on_run)
     empty = SuiteResults(
         suite=suite.name,
         agent=order.agent,
@@ -99,6 +99,7 @@ def run_suite(
         scenarios={one.name: scenario_hash(one.document) for one in chosen},
         shards=() if shard is None else (str(shard),),
         versions=versions,
+        oracles=tuple(sorted(oracles)),
         runs=(),
     )
     return empty.with_runs(runs)
@@ -139,7 +140,7 @@ def run_again(
         for number in range(times)
         for name in names
     ]
-    runs, _ = _run(client, suite, planned, order, on_run=on_run)
+    runs, _, _ = _run(client, suite, planned, order, on_run=on_run)
     return results.with_runs(runs)
 
 
@@ -155,9 +156,11 @@ def _run(
     order: SuiteOrder,
     *,
     on_run: Callable[[], None],
-) -> tuple[list[SuiteRun], dict[str, str]]:
+) -> tuple[list[SuiteRun], dict[str, str], set[str]]:
+    """Returns the runs, the versions of all software, and the oracles that judged."""
     runs: list[SuiteRun] = []
     versions: dict[str, str] = {}
+    oracles: set[str] = set()
     for part in _parts(planned):
         files = [
             ScenarioFile(
@@ -186,7 +189,8 @@ def _run(
             runs.append(_suite_run(one, result))
             if result.run is not None:
                 versions |= {name: str(value) for name, value in result.run.versions.items()}
-    return runs, versions
+                oracles |= {verdict.oracle for verdict in result.run.verdicts}
+    return runs, versions, oracles
 
 
 def _parts(planned: Sequence[_Planned]) -> Iterator[Sequence[_Planned]]:

@@ -11,6 +11,9 @@ from drivora_service.oracles.verdict import Answer, Outcome
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountable
 from drivora_service.shapes import Shape
 
+NOT_JUDGED = "not judged"
+"""Instead of a verdict, where there is no such oracle."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VerdictChange(Shape):
@@ -38,7 +41,7 @@ def verdict_changes(
     """
     old, new = _in_words(before), _in_words(after)
     pairs = [
-        (key, old.get(key, "not judged"), new.get(key, "not judged"))
+        (key, old.get(key, NOT_JUDGED), new.get(key, NOT_JUDGED))
         for key in dict.fromkeys((*new, *old))
     ]
     return tuple(
