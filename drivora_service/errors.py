@@ -34,6 +34,7 @@ The tree::
 from __future__ import annotations
 
 import difflib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 
@@ -156,13 +157,34 @@ class SearchError(DrivoraError):
     """A gene space or a tester cannot be used as requested."""
 
 
+def closest_name(name: str, known: Sequence[str]) -> str:
+    """Returns the known name that is probably meant by an unknown one; "" if none is near.
+
+    Abbreviations are understood as well: ``min_ttc`` for ``min_time_to_collision_s``.
+    """
+    close = difflib.get_close_matches(name, known, n=1)
+    if close:
+        return close[0]
+    first, _, rest = name.partition("_")
+    alike = [
+        one for one in known if rest and one.partition("_")[0] == first and _has_letters(one, rest)
+    ]
+    return min(alike, key=len, default="")
+
+
+def _has_letters(text: str, letters: str) -> bool:
+    """Returns whether a text has some letters in their order."""
+    left = iter(text.partition("_")[2])
+    return all(letter in left for letter in letters.replace("_", ""))
+
+
 class UnknownObjective(SearchError):
     """A tester asked for an objective that was not measured."""
 
     def __init__(self, name: str, known: tuple[str, ...]) -> None:
         self.name, self.known = name, known
-        close = difflib.get_close_matches(name, known, n=1)
-        meant = f"; did you mean {close[0]!r}?" if close else "."
+        close = closest_name(name, known)
+        meant = f"; did you mean {close!r}?" if close else "."
         super().__init__(
             f"no objective {str(name)[:80]!r} was measured{meant} Measured: "
             f"{', '.join(known) or 'none'}"

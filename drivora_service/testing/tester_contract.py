@@ -184,6 +184,8 @@ class TesterContract:
         assert len(self.play(self.create(), 60, 4, fail)) == 60
 
     def test_it_goes_on_where_many_are_invalid_or_not_measurable(self) -> None:
+        names = self.objectives or self.feedback_objectives()
+
         def evaluate_mixed(number: int, proposal: Proposal) -> Evaluation:
             if number % 3 == 0:
                 return Evaluation(number=number, proposal=proposal, status=EvaluationStatus.INVALID)
@@ -192,9 +194,9 @@ class TesterContract:
                     number=number,
                     proposal=proposal,
                     status=EvaluationStatus.JUDGED,
-                    scores=dict.fromkeys(self.objectives),
+                    scores=dict.fromkeys(names),
                     measurement=Measurement(
-                        objectives=dict.fromkeys(self.objectives),
+                        objectives=dict.fromkeys(names),
                         features=self.measure(self.space().to_unit(proposal.values)).features,
                     ),
                 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -19,7 +18,7 @@ from drivora_service.campaigns.document.known_objectives import (
     known_objectives,
     objectives_of_feedback,
 )
-from drivora_service.errors import DrivoraError, Problem
+from drivora_service.errors import DrivoraError, Problem, closest_name
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.feedback.objective_choice import ObjectiveChoice, ObjectiveKind
 from drivora_service.oracles.oracle_descriptions import Better
@@ -190,8 +189,8 @@ def _unknown(
     if reason:
         return _problem(pointer, "plugin", reason)
     names = [each.name for each in known] + list(catalogues.feedbacks.names())
-    close = difflib.get_close_matches(name, names, n=1)
-    meant = f"; did you mean {close[0]!r}? Known" if close else "; known"
+    close = closest_name(name, names)
+    meant = f"; did you mean {close!r}? Known" if close else "; known"
     listing = describe_known(known, catalogues.feedbacks.names())
     return _problem(pointer, "unknown_objective", f"unknown objective {name!r}{meant}: {listing}")
 
