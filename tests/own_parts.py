@@ -159,5 +159,5 @@ AGENT = agent_plugin(
         licence="MIT",
     ),
     ParkerParameters,
-    Parker,
+    lambda _parameters: Parker(),
 )

@@ -118,3 +118,39 @@ def test_problems_are_named_once_at_their_places(
     with pytest.raises(InvalidDocument) as refused:
         read_study(content, catalogues)
     assert [problem.pointer for problem in refused.value.problems] == [pointer]
+
+
+def test_methods_minimise_what_the_study_or_they_themselves_say(catalogues: Catalogues) -> None:
+    content = study_content()
+    content["feedback"] = {"name": "min_gap"}
+    own = {"name": "max_drac_mps2", "target": 6.0}
+    content["methods"] = [{"name": "avfuzzer"}, {"name": "avfuzzer", "minimises": own}]
+    study = read_study(content, catalogues)
+    other = "avfuzzer by max_drac_mps2 (target 6)"
+    assert study.document.method_labels == ("avfuzzer", other)
+    for campaign in study.campaigns:
+        assert campaign.cell is not None
+        document = json.loads(campaign.document)
+        (one,) = read_campaign(document, catalogues).campaign.objectives
+        assert (
+            one.name
+            == {"avfuzzer": "min_gap", other: "negated_max_drac_mps2"}[campaign.cell.method]
+        )
+        assert "minimises" not in document["tester"]
+
+
+@pytest.mark.parametrize(
+    ("own", "pointer"), [(True, "/methods/0/minimises/name"), (False, "/feedback/name")]
+)
+def test_an_unknown_objective_is_named_at_its_place(
+    own: bool, pointer: str, catalogues: Catalogues
+) -> None:
+    content = study_content()
+    content["methods"] = [
+        {"name": "avfuzzer", **({"minimises": {"name": "min_gop"}} if own else {})}
+    ]
+    if not own:
+        content["feedback"] = {"name": "min_gop"}
+    with pytest.raises(InvalidDocument, match="did you mean 'min_gap'") as refused:
+        read_study(content, catalogues)
+    assert {problem.pointer for problem in refused.value.problems} == {pointer}

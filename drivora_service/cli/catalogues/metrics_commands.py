@@ -11,8 +11,7 @@ from drivora_service.cli.terminal.options import ServerOption
 from drivora_service.cli.terminal.output import (
     JsonOption,
     find_entry,
-    print_json,
-    print_models,
+    print_shape,
     print_table,
 )
 
@@ -27,7 +26,9 @@ def list_metrics(server: ServerOption = "", as_json: JsonOption = False) -> None
     with open_client(server, None) as client:
         measures = client.describe_metrics().items
     if as_json:
-        print_models(measures)
+        from drivora_service.oracles.oracle_descriptions import MeasureDescription
+
+        print_shape(tuple[MeasureDescription, ...], measures)
         return
     print_table(
         "",
@@ -49,11 +50,11 @@ def show(
     """Shows a metric or an objective."""
     with open_client(server, None) as client:
         measure = find_entry("metric", name, client.describe_metrics().items)
-    content = measure.model_dump(mode="json")
     if as_json:
-        print_json(content)
+        print_shape(type(measure), measure)
         return
     print(f"{measure.name}: {measure.definition}")
     for key in ("kind", "unit", "better", "feedback", "several_egos", "threshold", "source"):
-        if content[key]:
-            print(f"{key.replace('_', ' ').capitalize()}: {content[key]}")
+        value = getattr(measure, key)
+        if value:
+            print(f"{key.replace('_', ' ').capitalize()}: {value}")
