@@ -121,7 +121,12 @@ class FeedbackDocument(EntityDocument):
                 {"found": found},
             )
         # A stored document has the defaults, too.
-        defaults = {"parameters": {}, "direction": None, "target": None, "scale": 1.0}
+        defaults: dict[str, object] = {
+            "parameters": {},
+            "direction": None,
+            "target": None,
+            "scale": 1.0,
+        }
         odd = [name for name, value in defaults.items() if getattr(self, name) != value]
         if self.objectives is not None and odd:
             raise PydanticCustomError(

@@ -178,8 +178,8 @@ _METRICS = (
     _column(
         "kind",
         _TEXT,
-        "`metric`: describes the run; `score`: an objective of every run; `objective`: one of the "
-        "feedback of a campaign's tester",
+        "`metric`: describes the run; `score`: an objective of every run, those of own oracles "
+        "among them; `objective`: one that a campaign measures for its tester",
     ),
     _column("metric", _TEXT, "its name; `GET /metrics:describe` has definition and unit"),
     _or_null("value", _REAL, "its value, in the unit of the metric; null: not measurable"),
