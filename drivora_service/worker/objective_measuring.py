@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from drivora_service.errors import OracleError, PluginError
+from drivora_service.errors import PluginError
 from drivora_service.feedback.measurement import Feedback, FeedbackChoice, Measurement
 from drivora_service.feedback.objective_choice import (
     ObjectiveChoice,
@@ -14,10 +14,8 @@ from drivora_service.feedback.objective_choice import (
     combine_objectives,
 )
 from drivora_service.observations.run_view import RunView
-from drivora_service.oracles.installed_oracles import InstalledOracle, objective_values
 from drivora_service.oracles.laws.law import Law
 from drivora_service.oracles.laws.law_judging import law_robustness
-from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.run_report import RunReport
 from drivora_service.worker.measuring import is_built_in, make_feedback, measure_run
 
@@ -103,32 +101,6 @@ def make_measuring(choice: FeedbackChoice, laws: tuple[Law, ...]) -> Measuring:
         others=others,
         laws={law.name: law for law in laws},
     )
-
-
-def add_oracle_objectives(
-    scores: Mapping[str, float | None],
-    oracles: Sequence[InstalledOracle],
-    verdicts: Sequence[Verdict],
-    run: RunView,
-) -> dict[str, float | None]:
-    """Returns the scores of a run with the objectives of oracles of packages.
-
-    Raises:
-        OracleError: Two objectives have the same name.
-    """
-    found = dict(scores)
-    egos = [ego.id for ego in run.egos]
-    for oracle in oracles:
-        own = (verdict for verdict in verdicts if verdict.oracle == oracle.name)
-        for name, value in objective_values(oracle.objectives, own, egos).items():
-            if name in found:
-                raise OracleError(
-                    f"oracle {oracle.name!r} of the package {oracle.package!r} has the objective "
-                    f"{name!r}, and so has another oracle, or Drivora; give it another name",
-                    cause="oracle_plugin",
-                )
-            found[name] = value
-    return found
 
 
 def _key(one: ObjectiveChoice) -> str:

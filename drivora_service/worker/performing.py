@@ -31,7 +31,6 @@ from drivora_service.errors import (
 from drivora_service.feedback.objectives import score
 from drivora_service.metrics.built_in_metrics import measure
 from drivora_service.metrics.catalogue import MetricCatalogue
-from drivora_service.metrics.installed_metrics import measure_installed
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.run_view import RunView
 from drivora_service.observations.trace import Trace
@@ -53,7 +52,8 @@ from drivora_service.simulation.sumo import SUMO_ERRORS
 from drivora_service.worker.candidate_preparing import space_of_candidates
 from drivora_service.worker.integrity import describe_code_changes, snapshot_judging_code
 from drivora_service.worker.interventions import leave_scenario
-from drivora_service.worker.objective_measuring import add_oracle_objectives, make_measuring
+from drivora_service.worker.objective_measuring import make_measuring
+from drivora_service.worker.plugin_judging import judge_by_plugins
 from drivora_service.worker.progress_board import ProgressBoard
 from drivora_service.worker.setup import WorkerSetup
 from drivora_service.worker.without_effect import genes_without_effect
@@ -245,16 +245,9 @@ def _perform(
     code.has_met_others |= bool(is_foreign)
     try:
         # Last, so that code of plug-ins cannot change the input of the others.
-        own = judge_all(trace, network, installed, view=view)
-        report = replace(
-            report,
-            metrics={**report.metrics, **measure_installed(metrics, view)},
-            scores=add_oracle_objectives(report.scores, installed, own, view),
+        report = judge_by_plugins(
+            report, view, oracles=installed, metrics=metrics, measuring=measuring, tables=tables
         )
-        if measuring is not None:
-            measured = measuring.measure(report, view)
-            measured = replace(measured, features={**measured.features, **tables})
-            report = replace(report, measurement=measured)
         if changes := code.changes():
             raise PluginError(
                 describe_code_changes(changes, "an oracle, a metric or a feedback"),
@@ -262,11 +255,7 @@ def _perform(
             )
     except PluginError as error:
         return _make_unjudged_report(report, error)
-    return replace(
-        report,
-        verdicts=(*verdicts, *own),
-        wall_time_s=time.perf_counter() - course.started,
-    )
+    return replace(report, wall_time_s=time.perf_counter() - course.started)
 
 
 def _discard_result(spec: RunSpec, network: RoadNetwork, course: _Course) -> RunReport:

@@ -55,5 +55,7 @@ def test_a_part_that_is_not_measurable_counts_as_the_worst() -> None:
 def test_a_choice_is_stored_and_read() -> None:
     choice = FeedbackChoice(name="general", objectives=(chosen("a", 2.0, target=1.5),))
     assert choice_from_json(choice_to_json(choice)) == choice
+    plain = FeedbackChoice(name="general", parameters={"a": 1})
+    assert choice_to_json(plain) == '{"name":"general","parameters":{"a":1}}'
     # Those of earlier versions have none.
     assert choice_from_json('{"name": "general", "parameters": {}}').objectives == ()

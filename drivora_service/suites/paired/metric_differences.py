@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.errors import UnknownName
-from drivora_service.metrics.metric_descriptions import METRICS
-from drivora_service.oracles.oracle_descriptions import Better
+from drivora_service.metrics.catalogue import MetricCatalogue
+from drivora_service.oracles.oracle_descriptions import Better, MeasureDescription
 from drivora_service.studies.comparison.sample_statistics import holm
 from drivora_service.suites.paired.batch_comparison import (
     SIGNIFICANT,
@@ -22,7 +23,6 @@ from drivora_service.suites.paired.bootstrap import mean_intervals
 from drivora_service.suites.paired.paired_runs import PairedRun
 from drivora_service.suites.paired.pairing import Pair
 
-_DESCRIBED = {metric.name: metric for metric in METRICS}
 _EGO = "["
 """In the name of a metric, begins the id of an ego."""
 
@@ -35,6 +35,12 @@ SEED = 2
 _VALUES_AT_ONCE = 4_000_000
 """Signs in memory at once."""
 _ROUNDING = 1e-9
+
+
+@lru_cache(maxsize=1)
+def _described() -> Mapping[str, MeasureDescription]:
+    """Returns what each metric says about itself, those of installed packages among them."""
+    return {metric.name: metric for metric in MetricCatalogue().descriptions()}
 
 
 def flip_p_values(
@@ -64,8 +70,8 @@ def flip_p_values(
 def metric_names(runs: Sequence[PairedRun]) -> tuple[str, ...]:
     """Returns the metrics of runs, without those of single egos, in the order of the catalogue."""
     found = dict.fromkeys(name for run in runs for name in run.metrics if _EGO not in name)
-    known = [name for name in _DESCRIBED if name in found]
-    return (*known, *(name for name in found if name not in _DESCRIBED))
+    known = [name for name in _described() if name in found]
+    return (*known, *(name for name in found if name not in _described()))
 
 
 def check_metrics(wanted: Sequence[str], known: Sequence[str]) -> None:
@@ -74,7 +80,7 @@ def check_metrics(wanted: Sequence[str], known: Sequence[str]) -> None:
     Raises:
         UnknownName: There is no metric of that name.
     """
-    names = tuple(dict.fromkeys((*_DESCRIBED, *known)))
+    names = tuple(dict.fromkeys((*_described(), *known)))
     for name in wanted:
         if name not in names:
             raise UnknownName("metric", name, names)
@@ -142,7 +148,7 @@ def _compare_metric(
     interval: tuple[float, float] | None,
     p: float,
 ) -> MetricComparison:
-    described = _DESCRIBED.get(name)
+    described = _described().get(name)
     measured = np.isfinite(mean_a)
     count = int(measured.sum())
     a = float(mean_a[measured].mean()) if count else None
