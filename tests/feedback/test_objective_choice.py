@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,7 +19,7 @@ from drivora_service.runs.report_encoding import choice_from_json, choice_to_jso
 NUMBERS = st.floats(min_value=-1e6, max_value=1e6)
 
 
-def chosen(name: str, weight: float | None = None, **changes: float) -> ObjectiveChoice:
+def chosen(name: str, weight: float | None = None, **changes: Any) -> ObjectiveChoice:
     return ObjectiveChoice(
         name=name, kind=ObjectiveKind.METRIC, member=name, weight=weight, **changes
     )

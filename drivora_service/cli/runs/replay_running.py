@@ -218,7 +218,7 @@ def _copy_recordings(files: Sequence[Path], out: Path, name: str) -> list[str]:
     return kept
 
 
-def _describe_refusal(problems: Sequence[Problem], original: RunRecord) -> str:
+def _describe_refusal(problems: Sequence[Problem], original: Original) -> str:
     missing = describe_missing_packages(original.run.versions, "it")
     said = f"{missing}; " if missing else ""
     return f"its scenario cannot be run here: {said}{_in_words(problems)}"

@@ -218,6 +218,38 @@ def test_parts_of_a_package_are_named_with_their_version(
         assert valid.versions["own-parts"] == "0.1"
 
 
+FEEDBACK = """\
+from drivora_service.feedback.measurement import Measurement
+from drivora_service.feedback.plugin import FeedbackPlugin
+
+class Length:
+    objectives = ("length",)
+
+    def measure(self, run):
+        return Measurement(objectives={"length": float(run.trace.step_count)})
+
+def make(parameters):
+    return Length()
+
+LENGTH = FeedbackPlugin(name="own-length", description="how long it lasts", create=make)
+"""
+
+
+def test_a_feedback_of_a_package_directs_every_method_that_can_be(
+    content: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parts = "[drivora_service.feedback]\nown-length = more_parts:LENGTH\n"
+    install_parts(tmp_path / "site", monkeypatch, parts=parts, code=FEEDBACK)
+    catalogues = Catalogues(NetworkCatalogue(shipped_networks()))
+    content["tester"] = {"name": "avfuzzer"}
+    for name in ("own-length", "length"):
+        content["feedback"] = {"name": name}
+        valid = read_campaign(content, catalogues)
+        (one,) = valid.campaign.objectives
+        assert (one.name, one.owner, one.kind) == ("length", "own-length", ObjectiveKind.FEEDBACK)
+        assert valid.versions["own-parts"] == "0.1"
+
+
 def test_a_metric_that_cannot_be_loaded_says_why(
     content: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
