@@ -39,7 +39,7 @@ def _campaign(scenario: dict[str, Any], **changes: Any) -> dict[str, Any]:
     }
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=20)
 def test_results_outlive_the_packages_that_made_them(
     drivora: Drivora, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
