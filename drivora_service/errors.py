@@ -37,6 +37,8 @@ import difflib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from drivora_service.known_names import unknown_name_message
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
@@ -74,12 +76,12 @@ class UnknownName(DrivoraError):
     """A name is not in its catalogue."""
 
     def __init__(self, kind: str, name: str, known: tuple[str, ...], hint: str = "") -> None:
-        self.kind, self.name, self.known = kind, name, known
-        listing = f"; known: {', '.join(known)}" if known else ""
-        super().__init__(f"unknown {kind} {name!r}{listing}{'. ' + hint if hint else ''}")
+        self.kind, self.name, self.known, self.hint = kind, name, known, hint
+        message = unknown_name_message(kind, name, known)
+        super().__init__(f"{message}. {hint}" if hint else message)
 
-    def __reduce__(self) -> tuple[type[UnknownName], tuple[str, str, tuple[str, ...]]]:
-        return type(self), (self.kind, self.name, self.known)
+    def __reduce__(self) -> tuple[type[UnknownName], tuple[str, str, tuple[str, ...], str]]:
+        return type(self), (self.kind, self.name, self.known, self.hint)
 
 
 class NetworkError(DrivoraError):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import inspect
 import json
 import re
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from drivora_service.errors import DrivoraError, Problem, SearchError
+from drivora_service.known_names import advise_name
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -182,9 +182,7 @@ def _number_in_words(noun: str, schema: Mapping[str, Any]) -> str:
 
 
 def _unknown(name: str, known: tuple[str, ...], of: str) -> Problem:
-    close = difflib.get_close_matches(name, known, n=1)
-    meant = f"did you mean {close[0]!r}? Known" if close else "known"
-    allowed = f"{meant}: {', '.join(known)}" if known else "it takes none: leave them out"
+    allowed = advise_name(name, known) or "it takes none: leave them out"
     return Problem(
         pointer=f"/{_escape_key(name)}",
         code="unknown_parameter",

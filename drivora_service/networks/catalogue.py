@@ -87,7 +87,7 @@ class NetworkCatalogue:
             "network",
             name,
             self.names(),
-            hint="import it with `drivora networks import FILE --name NAME`",
+            hint="Import it with `drivora networks import FILE --name NAME`",
         )
 
     def get(self, name: str) -> RoadNetwork:

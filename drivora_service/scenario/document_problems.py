@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping, Sequence
-from functools import lru_cache
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from drivora_service.errors import Problem
+from drivora_service.known_names import list_names, similar_names
 from drivora_service.scenario.fields import PATTERN_MEANINGS
 from drivora_service.scenario.plain_data import MAX_PROBLEMS, kind_of, pointer
-
-_LONGEST_GUESS = 80
 
 ACTOR_LISTS = ("ego_vehicles", "npc_vehicles", "npc_walkers", "npc_obstacles")
 NAMED_LISTS = (*ACTOR_LISTS, "friction_patches")
@@ -99,18 +96,6 @@ def tokens(place: str, content: Any) -> tuple[str | int, ...]:
     return tuple(result)
 
 
-def close_keys(key: str, known: Iterable[str], *, similar: float = 0.6) -> list[str]:
-    """Returns the most similar of the known keys, if any is similar enough."""
-    # A longer key is not a typing error, and the search time grows with its length.
-    return list(_close(key, tuple(known), similar)) if len(key) <= _LONGEST_GUESS else []
-
-
-@lru_cache(maxsize=4096)
-def _close(key: str, known: tuple[str, ...], similar: float) -> tuple[str, ...]:
-    """Finds similar keys; cached, as the documents of a batch often have the same mistakes."""
-    return tuple(difflib.get_close_matches(key, known, n=1, cutoff=similar))
-
-
 def model_at(model: type[BaseModel], place: Iterable[str | int]) -> type[BaseModel]:
     """Returns the model that describes the object at a place of a document of type ``model``.
 
@@ -191,9 +176,9 @@ def _format_value(value: object) -> str:
 def _unknown_key(place: Sequence[str | int], model: type[BaseModel], *, guess: bool) -> str:
     known = tuple(model_at(model, place[:-1]).model_fields)
     key = str(place[-1])
-    close = close_keys(key, known) if guess else []
+    close = similar_names(key, known) if guess else ()
     meant = f"; did you mean {close[0]!r}?" if close else ""
-    return f"{key[:80]!r} is unknown here{meant} Allowed: {', '.join(known)}".replace(
+    return f"{key[:80]!r} is unknown here{meant} Allowed: {list_names(known)}".replace(
         "here Allowed", "here; allowed"
     )
 

@@ -10,6 +10,7 @@ from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from drivora_service.errors import Problem
+from drivora_service.known_names import unknown_name_message
 
 
 def items_of(content: Any, key: str) -> tuple[tuple[int, Any], ...]:
@@ -42,5 +43,5 @@ def unknown(kind: str, name: str, known: Collection[str], pointer: str) -> Probl
     return Problem(
         pointer=pointer,
         code=f"unknown_{kind}",
-        message=f"unknown {kind} {name[:80]!r}; known: {', '.join(known)}",
+        message=unknown_name_message(kind, name, known),
     )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from drivora_service.api.answers.catalogue_lookups import KnownAgents, KnownNetworks
 from drivora_service.api.context import ApiContext
 from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.known_names import unknown_name_message
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.scenario.agent_parameters import AgentParameter, with_agent_parameters
 from drivora_service.scenario.canonical import canonical_json
@@ -77,7 +78,7 @@ def check_overrides(context: ApiContext, overrides: Overrides) -> None:
         return
     known = context.agents.availability()
     if overrides.agent not in known:
-        message = f"unknown agent {overrides.agent!r}; known: {', '.join(known)}"
+        message = unknown_name_message("agent", overrides.agent, known)
         raise InvalidDocument((Problem(pointer="", code="unknown_agent", message=message),))
     if known[overrides.agent]:
         message = f"agent {overrides.agent!r} cannot be run here: {known[overrides.agent]}"
@@ -116,7 +117,7 @@ def _unknown_oracle(name: str, known: Sequence[str], pointer: str) -> Problem:
     return Problem(
         pointer=pointer,
         code="unknown_oracle",
-        message=f"unknown oracle {name[:80]!r}; known: {', '.join(known)}",
+        message=unknown_name_message("oracle", name, known),
     )
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
-
 from fastapi import Request
 from fastapi.dependencies.models import Dependant
 from fastapi.routing import APIRoute
 
 from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.known_names import advise_name
 
 _MOST_NAMED = 20
 
@@ -50,9 +49,7 @@ def _names(dependant: Dependant) -> list[str]:
 
 
 def _problem(name: str, known: tuple[str, ...]) -> Problem:
-    close = difflib.get_close_matches(name[:80], known, n=1)
-    meant = f"did you mean {close[0]!r}? Allowed" if close else "allowed"
-    allowed = f"{meant}: {', '.join(sorted(known))}" if known else "this operation has none"
+    allowed = advise_name(name, sorted(known), word="allowed") or "this operation has none"
     return Problem(
         pointer="",
         code="unknown_query_parameter",

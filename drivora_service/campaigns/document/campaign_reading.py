@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -36,6 +35,7 @@ from drivora_service.errors import (
     SearchError,
     UnknownName,
 )
+from drivora_service.known_names import unknown_name_message
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.oracles.non_optimal_decision import NonOptimalDecision
@@ -429,14 +429,11 @@ def _check_oracles(
 
 
 def _unknown(pointer: str, error: UnknownName, listed_by: str) -> Problem:
-    close = difflib.get_close_matches(error.name, error.known, n=1)
-    hint = f"; did you mean {close[0]!r}? Known" if close else "; known"
-    known = ", ".join(error.known) or "none"
-    see = f" See {listed_by}" if listed_by else ""
+    see = f". See {listed_by}" if listed_by else ""
     return Problem(
         pointer=pointer,
         code=f"unknown_{error.kind}",
-        message=f"unknown {error.kind} {error.name!r}{hint}: {known}.{see}",
+        message=unknown_name_message(error.kind, error.name, error.known) + see,
     )
 
 

@@ -12,6 +12,7 @@ import typer
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.output import note
 from drivora_service.errors import ConfigurationError
+from drivora_service.known_names import advise_name
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability, accountability
 from drivora_service.oracles.verdicts.failure_definition import (
@@ -151,8 +152,8 @@ def read_gate(
         name, equals, runs = text.partition("=")
         if name not in known:
             raise ConfigurationError(
-                f"--gate-oracle {text}: {counted_by} has no oracle {name!r}; known: "
-                f"{', '.join(known)}"
+                f"--gate-oracle {text}: {counted_by} has no oracle {name!r}; "
+                f"{advise_name(name, known)}"
             )
         if equals and not _RUNS.fullmatch(runs):
             raise ConfigurationError(

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
+from drivora_service.known_names import advise_name
+
 if TYPE_CHECKING:
     from drivora_service.oracles.verdicts.failure_definition import Counted
 
@@ -140,8 +142,9 @@ def parse_choice(kind: type[_Word], word: str, option: str) -> _Word:
     try:
         return kind(word)
     except ValueError as error:
-        known = ", ".join(kind)
-        raise typer.BadParameter(f"{word!r}; known: {known}", param_hint=option) from error
+        raise typer.BadParameter(
+            f"{word!r}; {advise_name(word, kind)}", param_hint=option
+        ) from error
 
 
 def location(server: str, data_dir: Path | None) -> str:

@@ -6,10 +6,10 @@ Operators from the weakest to the strongest: ``->``, ``or``, ``and``, ``until[a:
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from drivora_service.known_names import similar_names
 from drivora_service.oracles.laws.formula import (
     And,
     Flag,
@@ -256,7 +256,7 @@ class _Parser:
 
     def _unknown(self, name: str) -> str:
         known = (*self._parameters, *BY_NAME)
-        close = difflib.get_close_matches(name, known, n=1)
+        close = similar_names(name, known)
         meant = f"; did you mean {close[0]!r}?" if close else ""
         own = ", ".join(self._parameters) or "none"
         return (

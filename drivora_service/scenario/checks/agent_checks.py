@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from abc import abstractmethod
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from drivora_service.errors import Problem
+from drivora_service.known_names import unknown_name_message
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import EgoDocument
 from drivora_service.scenario.model import EgoVehicle, Scenario
@@ -71,12 +71,11 @@ def _check_ego(
     key: tuple[str, ...] = ("config_path",) if ego.agent is None else ("agent", "name")
     place = pointer(("ego_vehicles", index, *key))
     if name not in agents:
-        close = difflib.get_close_matches(name, sorted(agents), n=3) or sorted(agents)
         yield Problem(
             pointer=place,
             code="unknown_agent",
-            message=f"found agent {name!r}, which is not in the catalogue; known: "
-            f"{', '.join(close)}. See `drivora agents list`",
+            message=f"{unknown_name_message('agent', name, sorted(agents))}. "
+            "See `drivora agents list`",
         )
         return
     reason = agents[name] if isinstance(agents, Mapping) else ""

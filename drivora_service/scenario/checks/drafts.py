@@ -14,9 +14,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from drivora_service.errors import Problem
+from drivora_service.known_names import similar_names
 from drivora_service.scenario.document_problems import (
     NAMED_LISTS,
-    close_keys,
     model_at,
     structural_problems,
     tokens,
@@ -173,7 +173,7 @@ def _guess_key(place: Place, content: Any) -> Place:
     if not isinstance(content, Mapping):
         return ()
     missing = model_at(ScenarioDocument, above).model_fields.keys() - content.keys()
-    close = close_keys(str(key), sorted(missing), similar=_SPELLING)
+    close = similar_names(str(key), sorted(missing), similar=_SPELLING)
     return (*above, *close) if close else ()
 
 

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from drivora_service.errors import Problem, UnknownName
+from drivora_service.known_names import unknown_name_message
 from drivora_service.networks.catalogue import NetworkLookup
 from drivora_service.networks.projection import nearest_lane_position
 from drivora_service.networks.road_network import RoadNetwork
@@ -168,12 +169,11 @@ def _check_on_network(
 
 
 def _unknown_town(town: str, error: UnknownName) -> Problem:
-    known = ", ".join(error.known) if error.known else "none"
     return Problem(
         pointer="/map_region/town",
         code="unknown_town",
         message=(
-            f"found town {town!r}, which is not in the catalogue; known: {known}. Import it with "
+            f"{unknown_name_message('town', town, error.known)}. Import it with "
             f"`drivora networks import FILE --name {town}` from a .net.xml, .xodr or .osm file"
         ),
     )

@@ -5,7 +5,6 @@ The figures and their sources are in ``scenario.models.model_figures``.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -182,15 +181,13 @@ def actor_model(kind: ActorKind, name: str) -> ActorModel:
     blueprints are known. An obstacle may also be a vehicle: a parked wreck.
 
     Raises:
-        UnknownName: No model of that kind has the name; lists the closest ones.
+        UnknownName: No model of that kind has the name; names the closest one.
     """
     full_name = _SPELLINGS[kind].get(_plain(name))
     if full_name is not None:
         return _MODELS[kind][full_name]
-    close = difflib.get_close_matches(name, model_names(kind), n=5, cutoff=0.4)
-    known = tuple(close) or model_names(kind)[:5]
     raise UnknownName(
-        f"{kind.value} model", name, known, "These are close; the document's reference lists all"
+        f"{kind.value} model", name, model_names(kind), "The document's reference describes them"
     )
 
 

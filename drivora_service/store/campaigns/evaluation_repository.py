@@ -102,7 +102,7 @@ class EvaluationRepository:
         if body is None:
             evaluation_row(self._session, campaign, number)
             raise UnknownName(
-                "scenario of evaluation", str(number), (), hint="invalid candidates have none"
+                "scenario of evaluation", str(number), (), hint="Invalid candidates have none"
             )
         return body
 

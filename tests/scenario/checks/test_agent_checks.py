@@ -28,7 +28,7 @@ def test_unknown_agents(
     good["ego_vehicles"][0].update(choice)
     (problem,) = refused(good)
     assert (problem.pointer, problem.code) == (pointer, "unknown_agent")
-    assert "known: idm" in problem.message
+    assert "did you mean 'idm'? Known: idm" in problem.message
 
 
 class Drivers(AgentDirectory):
