@@ -14,6 +14,7 @@ from drivora_service.store.database import (
     make_data_folder,
     open_database,
 )
+from drivora_service.store.engine.storage_faults import make_folder_error
 from drivora_service.store.locks.server_lock import refuse_while_served
 
 
@@ -64,10 +65,10 @@ class CommandDatabase:
             make_data_folder(self._data_dir)
         else:
             file = database_file(self._url)
-            if file is not None and not file.is_file():
+            if file is not None and (fault := _find_nothing(file)):
                 raise NothingStored(
-                    f"no data is stored in {file.parent}: there is no {file.name}; choose a data "
-                    "folder with --data-dir or DRIVORA_DATA_DIR, or store runs with `drivora run`"
+                    f"no data is stored in {file.parent}: {fault}; choose a data folder with "
+                    "--data-dir or DRIVORA_DATA_DIR, or store runs with `drivora run`"
                 )
         database = open_database(
             self._url, before_migration=partial(refuse_while_served, self._data_dir)
@@ -78,3 +79,21 @@ class CommandDatabase:
             database.close()
             raise
         return database
+
+
+def _find_nothing(file: Path) -> str:
+    """Returns why a file is no database that could be read; "" if it may be one.
+
+    Raises:
+        StoreError: Its folder cannot be read.
+    """
+    try:
+        # SQLite makes the file empty and writes its first page at once.
+        size = file.stat().st_size
+    except (FileNotFoundError, NotADirectoryError):
+        return f"there is no {file.name}"
+    except OSError as error:
+        raise make_folder_error(file.parent, error) from error
+    if file.is_dir():
+        return f"{file.name} is a folder, not a database"
+    return "" if size else f"{file.name} is empty"

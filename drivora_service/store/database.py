@@ -25,8 +25,10 @@ from drivora_service.store.campaigns.study_repository import StudyRepository
 from drivora_service.store.changes.change_counter import ChangeCounter
 from drivora_service.store.changes.change_lists import ChangeRepository
 from drivora_service.store.changes.revisions import revise
+from drivora_service.store.engine.foreign_databases import refuse_foreign_database
 from drivora_service.store.engine.postgresql import lock_writing, postgresql_engine, reading_options
 from drivora_service.store.engine.sqlite import sqlite_engine
+from drivora_service.store.engine.storage_faults import CHOOSE
 from drivora_service.store.engine.store_errors import store_errors
 from drivora_service.store.failures.failure_lists import FoundRepository
 from drivora_service.store.failures.group_decisions import DecisionRepository
@@ -179,6 +181,7 @@ class Database:
 
     def __init__(self, engine: Engine, *, patience_s: float = PATIENCE_S) -> None:
         self.engine = engine
+        self._file = _file_of(engine)
         self.changes = ChangeCounter(engine)
         self._is_postgresql = engine.dialect.name == "postgresql"
         self.locks = _work_locks(engine)
@@ -204,7 +207,7 @@ class Database:
         Raises:
             StoreError: The database cannot be used.
         """
-        with store_errors(), self._readers() as session:
+        with store_errors(self._file), self._readers() as session:
             yield Transaction(session)
 
     @contextmanager
@@ -217,7 +220,7 @@ class Database:
         """
         with (
             self._turn_to_write(),
-            store_errors(),
+            store_errors(self._file),
             self._writers() as session,
             session.begin(),
         ):
@@ -282,6 +285,12 @@ def _work_locks(engine: Engine) -> WorkLocks:
     return FileWorkLocks(Path(engine.url.database or "").parent / "locks")
 
 
+def _file_of(engine: Engine) -> Path | None:
+    """Returns the file of an engine's database; ``None`` if it is none of SQLite."""
+    is_sqlite = engine.dialect.name == "sqlite"
+    return Path(engine.url.database or "") if is_sqlite else None
+
+
 def database_file(url: str) -> Path | None:
     """Returns the file of a database; ``None`` if it is none of SQLite.
 
@@ -310,14 +319,15 @@ def open_database(
 
     Raises:
         Conflict: It is to be migrated, and a server or a command works on it.
-        StoreError: It cannot be opened, or was written by a newer version.
+        StoreError: It cannot be opened, or was written by a newer version or another program.
     """
     parsed = _parse_url(url)
     file = database_file(url)
     if file is not None:
         make_data_folder(file.parent)
+        refuse_foreign_database(file)
     make_engine = postgresql_engine if file is None else sqlite_engine
-    with store_errors():
+    with store_errors(file):
         engine = make_engine(parsed, patience_s=patience_s)
 
         def check() -> None:
@@ -342,8 +352,7 @@ def make_data_folder(folder: Path) -> None:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError as error:
         raise StoreError(
-            f"the data folder {folder} cannot be made: {error.strerror}; choose another with "
-            "--data-dir or DRIVORA_DATA_DIR"
+            f"the data folder {folder} cannot be made: {error.strerror}; {CHOOSE}"
         ) from error
 
 

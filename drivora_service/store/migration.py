@@ -24,6 +24,7 @@ from drivora_service.errors import Conflict, StoreError
 from drivora_service.store.changes.revisions import new_epoch
 from drivora_service.store.engine.base_tables import Base, EpochRow
 from drivora_service.store.engine.postgresql import give_types_of_sqlite, lock_schema
+from drivora_service.store.engine.storage_faults import CHOOSE
 
 if TYPE_CHECKING:
     from alembic.config import Config
@@ -60,8 +61,9 @@ def migrate(engine: Engine, *, before_migration: Callable[[], None] = lambda: No
     known = {revision.revision for revision in script.walk_revisions()}
     if current and current not in known:
         raise StoreError(
-            f"the database has schema {current!r}, which this version does not know; "
-            "use the version that wrote it, or a newer one"
+            f"the database {_place(engine)} has schema {current!r}, which this version does not "
+            f"know (its own is {newest_revision()!r}); use the version that wrote it, or a newer "
+            f"one, or {CHOOSE}"
         )
     upgrade(engine, before_migration=before_migration)
 
@@ -144,6 +146,12 @@ def refuse_other_schema(session: Session) -> None:
             f"a newer version of Drivora has just migrated the database to schema {found!r}; "
             "use that version"
         )
+
+
+def _place(engine: Engine) -> str:
+    """Returns what names the database, without a password."""
+    url = engine.url
+    return url.database or "" if engine.dialect.name == "sqlite" else repr(url)
 
 
 def _version_of(connection: Connection) -> str:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 from sqlalchemy.exc import DBAPIError, OperationalError, SQLAlchemyError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 
 from drivora_service.errors import StoreError, StoreUnavailable
+from drivora_service.store.engine.storage_faults import explain_sqlite_error
 
 _PASSING_STATES = ("25006", "25P03", "25P04", "53", "57")
 """Prefixes of the SQLSTATEs of PostgreSQL that pass, of errors that are not called operational: a
@@ -16,8 +18,14 @@ server that only reads since it is a standby, time limits, resources, and a serv
 
 
 @contextmanager
-def store_errors() -> Iterator[None]:
+def store_errors(file: Path | None = None) -> Iterator[None]:
     """Raises errors of the database as errors of the store.
+
+    Messages have neither statements nor values; the errors of SQLAlchemy, which have them, are the
+    causes.
+
+    Args:
+        file: Path of an SQLite database, for messages; ``None``: it is none, or unknown.
 
     Raises:
         StoreUnavailable: The error is due to the storage, to the connection, or to concurrent users
@@ -27,9 +35,13 @@ def store_errors() -> Iterator[None]:
     try:
         yield
     except SQLAlchemyError as error:
+        reason = _reason(error)
+        name = getattr(getattr(error, "orig", None), "sqlite_errorname", "")
+        explained = "" if file is None else explain_sqlite_error(file, name)
+        advice = f": {explained}" if explained else ""
         if _passes(error):
-            raise StoreUnavailable(f"the database cannot be used now: {_reason(error)}") from error
-        raise StoreError(f"the database cannot be used: {error}") from error
+            raise StoreUnavailable(f"the database cannot be used now: {reason}{advice}") from error
+        raise StoreError(f"the database cannot be used: {reason}{advice}") from error
 
 
 def _passes(error: SQLAlchemyError) -> bool:
@@ -44,4 +56,7 @@ def _passes(error: SQLAlchemyError) -> bool:
 
 def _reason(error: SQLAlchemyError) -> str:
     """Returns the driver's message, without the statement and its values."""
-    return str(error.orig).strip() if isinstance(error, DBAPIError) else str(error)
+    if isinstance(error, DBAPIError):
+        return str(error.orig).strip()
+    # Of its lines, the first is the message; the others are the statement and a web address.
+    return (str(error).splitlines() or [type(error).__name__])[0]

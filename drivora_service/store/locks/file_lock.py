@@ -12,6 +12,7 @@ from pathlib import Path
 from filelock import Timeout, UnixFileLock
 
 from drivora_service.errors import Conflict, StoreError
+from drivora_service.store.engine.storage_faults import make_folder_error
 
 _WAIT_S, _PAUSE_S = 0.2, 0.01
 """Seconds to wait for a lock, and seconds between two attempts."""
@@ -36,7 +37,7 @@ class FileLock:
 
         Raises:
             Conflict: Another process has it.
-            StoreError: The file system cannot lock files.
+            StoreError: The file cannot be made or written, or its file system cannot lock files.
         """
         self._lock = UnixFileLock(
             path,
@@ -73,9 +74,10 @@ def is_locked(path: Path) -> bool:
     """Returns whether a process holds the lock of an existing file; does not change the file.
 
     Raises:
-        StoreError: The file system cannot lock files.
+        StoreError: The file cannot be read, or its file system cannot lock files.
     """
-    file = os.open(path, os.O_RDONLY)
+    with _convert_lock_errors(path):
+        file = os.open(path, os.O_RDONLY)
     try:
         # Shared, so that several processes may check; meanwhile the lock cannot be taken.
         with _convert_lock_errors(path):
@@ -91,9 +93,11 @@ def is_locked(path: Path) -> bool:
 def _convert_lock_errors(path: Path) -> Iterator[None]:
     try:
         yield
+    except (Timeout, BlockingIOError):
+        raise
     except OSError as error:
         if error.errno not in _WITHOUT_LOCKS:
-            raise
+            raise make_folder_error(path.parent, error) from error
         raise StoreError(
             f"the file system of {path.parent} cannot lock files ({error.strerror}); choose "
             "another folder with DRIVORA_DATA_DIR, or have it mounted with locks (Lustre: `flock`)"
