@@ -22,6 +22,7 @@ The tree::
     │   ├── Conflict           the request conflicts with the stored state
     │   ├── NothingStored      there is no database where one is to be read
     │   └── QueueFull          the queue has reached its limit
+    ├── AddressTaken           another process has the address that a server is to listen on
     ├── ServiceBroken          this process can no longer serve and must be restarted
     ├── ServiceError           a service refused an HTTP request, or did not answer
     │   ├── NotAuthorised      it needs a token, or one with another scope
@@ -247,6 +248,10 @@ class QueueFull(StoreError):
             f"{queued} runs wait and the queue holds {limit}; try again in {retry_after_s} s, "
             "or raise DRIVORA_QUEUE_LIMIT"
         )
+
+
+class AddressTaken(DrivoraError):
+    """Another process has the address that a server is to listen on."""
 
 
 class ServiceBroken(DrivoraError):

@@ -25,6 +25,7 @@ from drivora_service.app import Service, create_service
 from drivora_service.errors import ServiceBroken
 from drivora_service.fault_log import FaultLog
 from drivora_service.logs import configure_logs
+from drivora_service.server_socket import bind_address, start_listening
 from drivora_service.settings import Settings
 
 ANNOUNCEMENT = "service.json"
@@ -78,6 +79,7 @@ def serve_until_stopped(settings: Settings) -> None:
     new ones are accepted; a second signal ends the service at once.
 
     Raises:
+        AddressTaken: Another process has the address.
         ConfigurationError: The settings cannot be used.
         Conflict: Another process serves this data folder.
         ServiceBroken: A part of it failed too often; the process must be restarted.
@@ -86,6 +88,8 @@ def serve_until_stopped(settings: Settings) -> None:
     configure_logs(form=settings.log_format, level=settings.log_level)
     sys.setswitchinterval(_SWITCH_S)
     ending = _Ending()
+    # Before the service takes its data folder and starts workers, which it would have to give up.
+    listener = bind_address(settings.host, settings.port)
     service = create_service(settings, on_fatal=ending.break_down)
     BoundedConnection.most = raise_descriptor_limit()
     config = uvicorn.Config(
@@ -99,7 +103,7 @@ def serve_until_stopped(settings: Settings) -> None:
         server_header=False,
         timeout_graceful_shutdown=_GRACE_S,
     )
-    listener = config.bind_socket()
+    start_listening(listener, settings.host)
     # asyncio sets this for sockets with a protocol number, which uvicorn's do not have: head and
     # body of an answer are written one after the other, and the body would wait 40 ms for the
     # client's acknowledgement of the head. Connections inherit it.

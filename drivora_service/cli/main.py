@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 import typer
+import typer.main
 
 from drivora_service.cli.batches import compare_command
 from drivora_service.cli.campaigns import campaign_commands
@@ -19,6 +20,7 @@ from drivora_service.cli.catalogues import (
     oracles_commands,
     testers_commands,
 )
+from drivora_service.cli.command_tree import complete_commands
 from drivora_service.cli.exit_codes import EPILOG, ExitCode
 from drivora_service.cli.failures import failures_commands, minimize_command
 from drivora_service.cli.runs import (
@@ -43,7 +45,15 @@ from drivora_service.cli.service import (
 )
 from drivora_service.cli.studies import study_commands
 from drivora_service.cli.suites import suite_commands
+from drivora_service.cli.terminal.file_errors import describe_file_error
+from drivora_service.cli.terminal.interruption import end_interrupted
 from drivora_service.cli.terminal.output import fail, note
+from drivora_service.cli.terminal.verbosity import (
+    ADVICE,
+    is_verbose,
+    print_traceback,
+    set_verbose,
+)
 from drivora_service.errors import (
     ConfigurationError,
     DrivoraError,
@@ -60,15 +70,38 @@ class Commands(typer.Typer):
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """Runs the command that the command line names."""
         try:
-            return super().__call__(*args, **kwargs)
+            root = typer.main.get_command(self)
+            complete_commands(root)
+            return root(*args, **kwargs)
         except (ConfigurationError, UnknownName, NotFound, NothingStored) as error:
-            fail(str(error))
+            _report(error)
             raise SystemExit(ExitCode.USAGE_ERROR) from error
         except DrivoraError as error:
-            fail(str(error))
-            if isinstance(error, PluginError) and error.log:
-                note(error.log)
+            _report(error)
             raise SystemExit(ExitCode.NOT_DONE) from error
+        except OSError as error:
+            message = describe_file_error(error)
+            if not message:
+                raise
+            fail(message)
+            print_traceback(error)
+            raise SystemExit(ExitCode.NOT_DONE) from error
+        except KeyboardInterrupt as error:
+            end_interrupted()
+            raise SystemExit(ExitCode.INTERRUPTED) from error
+        except SystemExit as error:
+            # The parser makes this of an interrupt that a command does not handle.
+            if error.code == ExitCode.INTERRUPTED:
+                end_interrupted()
+            raise
+
+
+def _report(error: DrivoraError) -> None:
+    fail(str(error))
+    if is_verbose():
+        print_traceback(error)
+    elif isinstance(error, PluginError) and error.log:
+        note(ADVICE)
 
 
 app = Commands(
@@ -122,6 +155,16 @@ def drivora(
         bool,
         typer.Option(
             "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
+    ] = False,
+    _verbose: Annotated[
+        bool,
+        typer.Option(
+            "--verbose",
+            "-v",
+            callback=set_verbose,
+            expose_value=False,
+            help="Print the tracebacks of errors.",
         ),
     ] = False,
 ) -> None:

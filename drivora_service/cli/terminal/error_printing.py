@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from drivora_service.cli.terminal.output import fail, note
+from drivora_service.cli.terminal.verbosity import print_plugin_log
 from drivora_service.errors import DrivoraError, PluginError, StoreError, WorkersCannotStart
 
 
 def say_error(error: BaseException) -> None:
     """Prints what the stored message does not tell of the error that stopped a campaign."""
     if isinstance(error, PluginError):
-        if error.log:
-            note(error.log)
+        print_plugin_log(error.log)
     elif isinstance(error, WorkersCannotStart | StoreError):
         # What the database refuses is not stored, nor is what happened before it.
         if isinstance(error.__context__, DrivoraError):
