@@ -6,6 +6,7 @@ affects only its own plug-ins.
 
 from __future__ import annotations
 
+import logging
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
@@ -20,6 +21,9 @@ from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
 from drivora_service.errors import DrivoraError, UnknownName
+from drivora_service.foreign_errors import describe_exception
+
+_log = logging.getLogger(__name__)
 
 
 class Plugin(Protocol):
@@ -63,6 +67,7 @@ class PluginTable(Generic[P]):
             if point.name not in self._plugins
         }
         self._versions: dict[str, dict[str, str]] = {}
+        self._logged: set[EntryPoint] = set()
 
     def names(self) -> tuple[str, ...]:
         """Returns all names, sorted."""
@@ -105,9 +110,10 @@ class PluginTable(Generic[P]):
             loaded = point.load()
         except (Exception, SystemExit) as error:
             # An exception of a foreign package on import must not affect the other plug-ins.
-            raise self._error(
-                f"{where} cannot be loaded: {type(error).__name__}: {error}"
-            ) from error
+            if point not in self._logged:
+                self._logged.add(point)
+                _log.info("%s cannot be loaded", where, exc_info=True)
+            raise self._error(f"{where} cannot be loaded: {describe_exception(error)}") from error
         if not isinstance(loaded, self._type):
             raise self._error(
                 f"{where} is a {type(loaded).__name__}; allowed: {self._type.__name__}"

@@ -27,6 +27,7 @@ from drivora_service.agents.plugin import AgentPlugin, FetchedAgentPlugin, read_
 from drivora_service.agents.remote.confinement import Confinement
 from drivora_service.agents.sumo_driver import SumoDriver, SumoDriverParameters
 from drivora_service.errors import AgentError, Problem, UnknownName
+from drivora_service.foreign_errors import exception_place
 from drivora_service.parameters import (
     ParameterDescription,
     describe_parameters,
@@ -237,7 +238,8 @@ class AgentCatalogue:
             raise
         except (Exception, SystemExit) as error:
             raise AgentError(
-                f"agent {name!r} raised {type(error).__name__} when it was made: {error}",
+                f"agent {name!r} raised {type(error).__name__} when it was made: {error}"
+                f"{exception_place(error)}",
                 log="".join(traceback.format_exception(error))[-4000:],
             ) from error
 

@@ -16,6 +16,7 @@ from typing import Any
 from pydantic_core import to_jsonable_python
 
 from drivora_service.errors import OracleError, UnknownName
+from drivora_service.foreign_errors import exception_place
 from drivora_service.oracles.built_in import default_oracles
 from drivora_service.oracles.installed_oracles import InstalledOracle, traceback_of
 from drivora_service.oracles.laws.law import Law
@@ -266,7 +267,8 @@ class OracleCatalogue:
             judge, called = getattr(oracle, "judge", None), getattr(oracle, "name", None)
         except (Exception, SystemExit) as error:
             raise refusal(
-                f"{of} raised {type(error).__name__} when it was made: {error}",
+                f"{of} raised {type(error).__name__} when it was made: {error}"
+                f"{exception_place(error)}",
                 log=traceback_of(error),
             ) from error
         if not callable(judge):

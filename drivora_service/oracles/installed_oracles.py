@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from drivora_service.errors import OracleError
+from drivora_service.foreign_errors import describe_exception
 from drivora_service.oracles.verdict import Oracle, Outcome, Verdict
 from drivora_service.oracles.verdicts.verdict_json import plain_verdict
 from drivora_service.oracles.verdicts.violation_magnitude import DECLARED, declared_magnitude
@@ -50,7 +51,7 @@ class InstalledOracle:
         except (Exception, SystemExit) as error:
             raise OracleError(
                 f"oracle {self.name!r} of the package {self.package!r} raised "
-                f"{type(error).__name__}: {error}",
+                f"{describe_exception(error)}",
                 cause="oracle_raised",
                 log=traceback_of(error),
             ) from error

@@ -11,6 +11,7 @@ from typing import Any
 from drivora_service.errors import DrivoraError, PluginError, SearchError
 from drivora_service.feedback.catalogue import FeedbackCatalogue
 from drivora_service.feedback.measurement import Feedback, FeedbackChoice, Measurement
+from drivora_service.foreign_errors import exception_place
 from drivora_service.observations.run_view import RunView
 from drivora_service.oracles.laws.law import Law
 
@@ -100,7 +101,7 @@ def _is_number(value: Any) -> bool:
 
 def _make_plugin_error(name: str, when: str, error: BaseException) -> PluginError:
     return PluginError(
-        f"feedback {name!r} raised {type(error).__name__} {when}: {error}",
+        f"feedback {name!r} raised {type(error).__name__} {when}: {error}{exception_place(error)}",
         cause="feedback_raised",
         log=_log(error),
     )

@@ -29,6 +29,7 @@ from drivora_service.campaigns.search.evaluation_judging import (
 from drivora_service.campaigns.search.seed_turns import SearchPart, Turn, Turns
 from drivora_service.errors import CampaignError, DrivoraError, PluginError
 from drivora_service.feedback.measurement import FeedbackChoice
+from drivora_service.foreign_errors import exception_place
 from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.runs.candidate import CandidateSource
 from drivora_service.runs.run_report import RunSpec
@@ -345,7 +346,8 @@ class Engine:
             raise
         except (Exception, SystemExit) as error:
             raise PluginError(
-                f"the tester raised {type(error).__name__} when it was {call}: {error}",
+                f"the tester raised {type(error).__name__} when it was {call}: {error}"
+                f"{exception_place(error)}",
                 cause="tester_raised",
                 log="".join(traceback.format_exception(error))[-_LOG:],
             ) from error

@@ -57,6 +57,9 @@ def show(
     if as_json:
         print_json(tester.model_dump(mode="json"))
         return
+    if not tester.installed:
+        print(f"{tester.name} cannot be used: {tester.reason}")
+        return
     print(f"{tester.title} ({tester.name}): {tester.description}")
     print(f"Source: {tester.source}. Measured by: {tester.feedback}")
     print_parameters(tester.parameters)

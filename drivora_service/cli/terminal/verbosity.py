@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import logging
 import traceback
 
 from drivora_service.cli.terminal.output import note
 
 _asked: list[bool] = []
 """Not empty once a command of this process was asked for them."""
+
+_PLUGINS = "drivora_service.plugin_table"
+"""Logs the tracebacks of plug-ins that cannot be loaded."""
 
 ADVICE = "add -v for the traceback"
 
@@ -16,6 +20,8 @@ def set_verbose(wanted: bool) -> None:
     """Sets what ``-v`` asks for; without it, nothing changes."""
     if wanted:
         _asked.append(wanted)
+        # What else the commands log at this level is of no use beside their results.
+        logging.getLogger(_PLUGINS).setLevel(logging.INFO)
 
 
 def is_verbose() -> bool:
