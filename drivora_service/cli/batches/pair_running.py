@@ -9,6 +9,7 @@ from pathlib import Path
 
 from drivora_service.cli.runs.file_running import run_files
 from drivora_service.cli.runs.run_output import ScenarioResult
+from drivora_service.cli.scenarios.file_problems import all_problems
 from drivora_service.cli.scenarios.scenario_files import read_files
 from drivora_service.cli.terminal.run_progress import run_progress
 from drivora_service.client import Client
@@ -70,7 +71,7 @@ def run_as_both(
         ServiceError: The service refused, did not answer, or cannot begin runs.
     """
     files, unreadable = read_files(scenarios, agent=a.agent or b.agent)
-    lines = [f"{file.path}: {_format_problems(file.problems)}" for file in unreadable]
+    lines = [f"{file.path}: {_format_problems(all_problems(file, client))}" for file in unreadable]
     batches: dict[str, str] = {}
     with run_progress(_NAMES, total=len(files)) as count:
         for name, side in zip(_NAMES, (a, b), strict=True):

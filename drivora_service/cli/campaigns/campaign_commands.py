@@ -105,13 +105,20 @@ def run(
     ) as client:
         import json
 
-        from drivora_service.cli.campaigns.campaign_files import read_campaign_file
+        from drivora_service.cli.campaigns.campaign_files import read_campaign_draft
         from drivora_service.cli.campaigns.campaign_gates import gate_of_document
+        from drivora_service.cli.scenarios.file_problems import read_or_exit
 
-        with exit_on_problems(file):
-            document = read_campaign_file(file)
-            chosen = gate_of_document(client, document, gate_oracle or (), is_wanted=gate)
-            campaign = client.post_campaign(json.dumps(document))
+        def post() -> tuple[Campaign, Gate | None]:
+            draft = read_campaign_draft(file)
+            try:
+                chosen = gate_of_document(client, draft.content, gate_oracle or (), is_wanted=gate)
+                # One with problems of its own is refused: it lacks its scenario, and is not begun.
+                return client.post_campaign(json.dumps(draft.content)), chosen
+            except InvalidDocument as error:
+                raise draft.with_problems(error) from error
+
+        campaign, chosen = read_or_exit(file, post)
         for remark in campaign.notes:
             note(f"note: {remark}")
         note(f"campaign {campaign.id}")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from drivora_service.cli.scenarios.scenario_files import read_files
+from drivora_service.cli.scenarios.scenario_files import describe_unreadable, read_files
 from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
+from drivora_service.scenario.document_problems import in_document_order
 from drivora_service.scenario.importers.reading import FileFormat, detect_format, read_scenarios
 from drivora_service.scenario.plain_data import plain_data, refusal
 from drivora_service.scenario.scenario_schema import schema_directory
@@ -26,21 +27,68 @@ def read_campaign_file(path: Path) -> dict[str, Any]:
         ConfigurationError: The file cannot be read.
         InvalidDocument: It is no YAML or JSON, or its scenario cannot be read.
     """
+    draft = read_campaign_draft(path)
+    if draft.problems:
+        raise InvalidDocument(draft.problems)
+    return draft.content
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CampaignDraft:
+    """A campaign file as far as it can be read.
+
+    Attributes:
+        content: The document; it has no scenario if that could not be read.
+        problems: What is wrong with the text of the file, and why its scenario could not be read.
+    """
+
+    content: dict[str, Any]
+    problems: tuple[Problem, ...]
+
+    def with_problems(self, error: InvalidDocument) -> InvalidDocument:
+        """Returns the problems of the file and those of its content, in the order of the file.
+
+        Args:
+            error: The problems of the content.
+        """
+        others = [
+            problem
+            for problem in error.problems
+            # That the scenario is missing from the content is due to what is wrong with it.
+            if not (self.problems and problem.pointer in ("", "/scenario", "/scenarios"))
+        ]
+        return InvalidDocument(
+            in_document_order((*self.problems, *others), {"scenario": {}, **self.content})
+        )
+
+
+def read_campaign_draft(path: Path) -> CampaignDraft:
+    """Reads a campaign file and puts its scenario in place of the file that it names.
+
+    Raises:
+        ConfigurationError: The file cannot be read.
+        InvalidDocument: It is no YAML or JSON at all.
+    """
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise ConfigurationError(f"{path} cannot be read: {error.strerror}") from error
+        raise ConfigurationError(describe_unreadable(path, error)) from error
     language: Literal["json", "yaml"] = "json" if path.suffix.lower() == ".json" else "yaml"
     content, problems = plain_data(data, language, what="a campaign")
-    if problems:
+    if problems and not content:
         raise InvalidDocument(tuple(problems))
     scenario = content.get("scenario")
-    if isinstance(scenario, Mapping) and set(scenario) == {"file"}:
-        content["scenario"] = _read_scenario(scenario["file"], path.parent)
-    elif isinstance(scenario, Mapping) and set(scenario) == {"folder"}:
-        del content["scenario"]
-        content["scenarios"] = _read_scenarios(scenario["folder"], path.parent)
-    return content
+    found = list(problems)
+    try:
+        if isinstance(scenario, Mapping) and set(scenario) == {"file"}:
+            content["scenario"] = _read_scenario(scenario["file"], path.parent)
+        elif isinstance(scenario, Mapping) and set(scenario) == {"folder"}:
+            del content["scenario"]
+            content["scenarios"] = _read_scenarios(scenario["folder"], path.parent)
+    except InvalidDocument as error:
+        content.pop("scenario", None)
+        found += error.problems
+    return CampaignDraft(content=content, problems=tuple(found))
 
 
 def _read_scenarios(name: object, folder: Path) -> list[dict[str, Any]]:
@@ -82,7 +130,7 @@ def _read_scenario(name: object, folder: Path) -> dict[str, Any]:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise _refusal(f"{path} cannot be read: {error.strerror}") from error
+        raise _refusal(describe_unreadable(path, error)) from error
     try:
         return _content(data, path)
     except InvalidDocument as error:

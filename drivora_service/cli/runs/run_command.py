@@ -93,13 +93,14 @@ def run(
     with open_client(server, data_dir, works=True, makes_data=True, workers=workers) as client:
         from drivora_service.cli.runs import run_output
         from drivora_service.cli.runs.file_running import RUN_BATCH, run_files, write_report
+        from drivora_service.cli.scenarios.file_problems import all_problems
         from drivora_service.cli.scenarios.scenario_files import read_files
         from drivora_service.runs.run_report import RunStatus
 
         _check_parameters(agent_parameter or ())
         files, unreadable = read_files(scenarios, agent=agent)
         done = [
-            run_output.ScenarioResult(scenario=str(file.path), problems=file.problems)
+            run_output.ScenarioResult(scenario=str(file.path), problems=all_problems(file, client))
             for file in unreadable
         ]
         if out is not None:

@@ -7,8 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from drivora_service.cli.scenarios.scenario_files import find_files, unique_name
+from drivora_service.cli.scenarios.scenario_files import (
+    describe_unreadable,
+    find_files,
+    unique_name,
+)
 from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
+from drivora_service.scenario.document_problems import in_document_order
 from drivora_service.scenario.importers.reading import FileFormat, detect_format, read_scenarios
 from drivora_service.scenario.plain_data import plain_data
 
@@ -25,10 +30,15 @@ class _Naming:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Source:
-    """Where a scenario comes from: its place in the file, and its own file if it has one."""
+    """Where a scenario comes from: its place in the file, and its own file if it has one.
+
+    Attributes:
+        is_missing: Whether it stands for a scenario that could not be read.
+    """
 
     place: int
     path: Path | None = None
+    is_missing: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,22 +46,40 @@ class ListFile:
     """A file that lists scenarios, with the scenarios in place of the files that it names.
 
     Attributes:
-        content: The document without files.
+        content: The document without files. In place of a scenario that could not be read it has
+            an empty one, so that the rest can be checked.
+        problems: What is wrong with the text of the file, and why scenarios could not be read.
     """
 
     content: Mapping[str, Any]
     sources: Sequence[_Source]
+    problems: tuple[Problem, ...] = ()
 
     def in_file(self, error: InvalidDocument) -> InvalidDocument:
-        """Returns the problems of the content at their places in the file, and in its files."""
-        return InvalidDocument(tuple(dict.fromkeys(map(self._in_file, error.problems))))
+        """Returns the problems of the file, and those of the content at their places in the file.
 
-    def _in_file(self, problem: Problem) -> Problem:
+        Args:
+            error: The problems of the content.
+        """
+        found = (self._in_file(problem) for problem in error.problems)
+        every = dict.fromkeys((*self.problems, *(one for one in found if one is not None)))
+        return InvalidDocument(in_document_order(tuple(every), self._written))
+
+    @property
+    def _written(self) -> Mapping[str, Any]:
+        """The content with one scenario for each item of the file's list, for the order."""
+        items = 1 + max((source.place for source in self.sources), default=-1)
+        return {**self.content, "scenarios": [{}] * items} if items else self.content
+
+    def _in_file(self, problem: Problem) -> Problem | None:
+        """Returns a problem of the content at its place in the file; ``None``: it says nothing."""
         place, _, inside = problem.pointer.removeprefix(_PLACE).partition("/")
         if not problem.pointer.startswith(_PLACE) or not place.isdigit():
             return problem
         source = self.sources[int(place)]
         pointer = f"{_PLACE}{source.place}"
+        if source.is_missing and inside.startswith("document"):
+            return None
         rest = inside.removeprefix("document").removeprefix("/")
         if source.path is None or not inside.startswith("document"):
             return replace(problem, pointer=f"{pointer}/{inside}".rstrip("/"))
@@ -59,8 +87,8 @@ class ListFile:
         return replace(problem, pointer=pointer, message=f"{where}: {problem.message}")
 
 
-def read_list_file(path: Path, *, what: str, name_key: str, longest_name: int) -> ListFile:
-    """Reads a file that lists scenarios, and the scenario files that it names.
+def read_list_draft(path: Path, *, what: str, name_key: str, longest_name: int) -> ListFile:
+    """Reads a file that lists scenarios, and the scenario files that it names, as far as it can.
 
     Args:
         path: The file, YAML or JSON.
@@ -71,17 +99,36 @@ def read_list_file(path: Path, *, what: str, name_key: str, longest_name: int) -
 
     Raises:
         ConfigurationError: The file cannot be read.
-        InvalidDocument: It is no YAML or JSON, or a scenario file cannot be read.
+        InvalidDocument: It is no YAML or JSON at all.
     """
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise ConfigurationError(f"{path} cannot be read: {error.strerror}") from error
+        raise ConfigurationError(describe_unreadable(path, error)) from error
     language: Literal["json", "yaml"] = "json" if path.suffix.lower() == ".json" else "yaml"
     content, problems = plain_data(data, language, what=what)
     return _with_scenarios(
         content, problems, folder=path.parent, naming=_Naming(key=name_key, longest=longest_name)
     )
+
+
+def read_list_file(path: Path, *, what: str, name_key: str, longest_name: int) -> ListFile:
+    """Reads a file that lists scenarios, and the scenario files that it names.
+
+    Args:
+        path: See :func:`read_list_draft`.
+        what: See there.
+        name_key: See there.
+        longest_name: See there.
+
+    Raises:
+        ConfigurationError: The file cannot be read.
+        InvalidDocument: It is no YAML or JSON, or a scenario file cannot be read.
+    """
+    file = read_list_draft(path, what=what, name_key=name_key, longest_name=longest_name)
+    if file.problems:
+        raise InvalidDocument(file.problems)
+    return file
 
 
 def expand_list(
@@ -92,11 +139,8 @@ def expand_list(
     Args:
         content: The document.
         folder: Folder to which the names of files are relative.
-        name_key: See :func:`read_list_file`.
+        name_key: See :func:`read_list_draft`.
         longest_name: See there.
-
-    Raises:
-        InvalidDocument: A scenario file cannot be read.
     """
     naming = _Naming(key=name_key, longest=longest_name)
     return _with_scenarios(content, (), folder=folder, naming=naming)
@@ -107,9 +151,9 @@ def _with_scenarios(
 ) -> ListFile:
     listed = content.get("scenarios")
     if not isinstance(listed, list):
-        if problems:
+        if problems and not content:
             raise InvalidDocument(tuple(problems))
-        return ListFile(content=content, sources=())
+        return ListFile(content=content, sources=(), problems=tuple(problems))
     found_problems = list(problems)
     scenarios: list[Any] = []
     sources: list[_Source] = []
@@ -127,9 +171,15 @@ def _with_scenarios(
             found_problems += [
                 replace(p, pointer=f"{_PLACE}{place}{p.pointer}") for p in error.problems
             ]
-    if found_problems:
-        raise InvalidDocument(tuple(found_problems))
-    return ListFile(content={**content, "scenarios": scenarios}, sources=sources)
+            rest = {k: v for k, v in item.items() if k != "file"} if isinstance(item, dict) else {}
+            name = {} if naming.key in rest else {naming.key: unique_name("missing", taken)}
+            scenarios.append({**rest, **name, "document": {}})
+            sources.append(_Source(place=place, is_missing=True))
+    return ListFile(
+        content={**content, "scenarios": scenarios},
+        sources=sources,
+        problems=tuple(found_problems),
+    )
 
 
 def _scenarios(
@@ -181,7 +231,7 @@ def _content(path: Path) -> Iterator[tuple[str, Mapping[str, Any]]]:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise _refusal("", f"{path} cannot be read: {error.strerror}") from error
+        raise _refusal("", describe_unreadable(path, error)) from error
     try:
         language = detect_format(data)
         if language in (FileFormat.JSON, FileFormat.YAML):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
+from drivora_service.known_names import similar_names
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.importers.reading import read_scenarios
 
@@ -50,9 +51,13 @@ def find_files(paths: Sequence[Path]) -> tuple[Path, ...]:
     """Returns the files themselves, and those inside folders, in order of name.
 
     Raises:
-        ConfigurationError: A path does not exist, or a folder holds no scenario file.
+        ConfigurationError: Paths do not exist, of which all are named, or a folder holds no
+            scenario file.
     """
     found: list[Path] = []
+    missing = [path for path in paths if not path.exists()]
+    if missing:
+        raise ConfigurationError("\n".join(map(describe_missing, missing)))
     for path in paths:
         if path.is_dir():
             files = sorted(p for p in path.rglob("*") if p.suffix.lower() in SUFFIXES)
@@ -66,11 +71,26 @@ def find_files(paths: Sequence[Path]) -> tuple[Path, ...]:
                     f"{path} holds no scenario file ({', '.join(sorted(SUFFIXES))})"
                 )
             found += inside
-        elif path.is_file():
-            found.append(path)
         else:
-            raise ConfigurationError(f"there is no file {path}")
+            found.append(path)
     return tuple(found)
+
+
+def describe_missing(path: Path) -> str:
+    """Returns the message for a path that does not exist, with a name that is there instead."""
+    folder = path.parent
+    if not folder.is_dir():
+        return f"there is no file {path}: there is no folder {folder}"
+    close = similar_names(path.name, [one.name for one in folder.iterdir()])
+    meant = f"; did you mean {str(folder / close[0])!r}?" if close else ""
+    return f"there is no file {path}{meant}"
+
+
+def describe_unreadable(path: Path, error: OSError) -> str:
+    """Returns the message for a file that cannot be read."""
+    if isinstance(error, FileNotFoundError):
+        return describe_missing(path)
+    return f"{path} cannot be read: {error.strerror}"
 
 
 def read_files(
@@ -83,8 +103,20 @@ def read_files(
         agent: Drives egos of formats that name no agent of the catalogue.
 
     Raises:
-        ConfigurationError: A path cannot be used at all.
+        ConfigurationError: A path cannot be used at all. If some do not exist, the problems of the
+            others are named, too.
     """
+    missing = [path for path in paths if not path.exists()]
+    if missing:
+        there = [path for path in paths if path.exists()]
+        _, unreadable_files = read_files(there, agent=agent)
+        lines = [describe_missing(path) for path in missing]
+        lines += [
+            f"{one.path}: {problem.pointer or '/'}: {problem.message}"
+            for one in unreadable_files
+            for problem in one.problems
+        ]
+        raise ConfigurationError("\n".join(lines))
     scenarios: list[ScenarioFile] = []
     unreadable: list[UnreadableFile] = []
     taken: set[str] = set()
@@ -98,7 +130,7 @@ def read_files(
             unreadable.append(UnreadableFile(path=path, problems=error.problems))
             continue
         except OSError as error:
-            raise ConfigurationError(f"{path} cannot be read: {error.strerror}") from error
+            raise ConfigurationError(describe_unreadable(path, error)) from error
         for scenario in imported:
             name = unique_name(scenario.name, taken)
             scenarios.append(

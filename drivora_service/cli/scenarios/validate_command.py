@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -14,10 +14,6 @@ from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
 from drivora_service.cli.terminal.output import JsonOption, fail, print_json
 from drivora_service.errors import InvalidDocument, Problem
-
-if TYPE_CHECKING:
-    from drivora_service.cli.scenarios.scenario_files import UnreadableFile
-    from drivora_service.client import Client
 
 
 def validate(
@@ -28,12 +24,28 @@ def validate(
 ) -> None:
     """Checks scenarios and names every problem with its place; exits with 1 if there is any."""
     with open_client(server, data_dir) as client:
-        from drivora_service.cli.scenarios.scenario_files import find_files, read_files
+        from drivora_service.cli.scenarios.file_problems import all_problems
+        from drivora_service.cli.scenarios.scenario_files import (
+            describe_missing,
+            find_files,
+            read_files,
+        )
         from drivora_service.scenario.documents import document_text
 
-        scenarios, unreadable = read_files(files, agent="")
+        there = [path for path in files if path.exists()]
+        missing = [
+            _result(
+                str(path),
+                "",
+                (),
+                (Problem(pointer="", code="no_file", message=describe_missing(path)),),
+            )
+            for path in files
+            if path not in there
+        ]
+        scenarios, unreadable = read_files(there, agent="")
         results = [
-            _result(str(file.path), "", (), _all_problems(file, client)) for file in unreadable
+            _result(str(file.path), "", (), all_problems(file, client)) for file in unreadable
         ]
         for scenario in scenarios:
             path, name = str(scenario.path), scenario.name
@@ -42,30 +54,15 @@ def validate(
                 results.append(_result(path, name, (*scenario.notes, *checked.notes), ()))
             except InvalidDocument as error:
                 results.append(_result(path, name, scenario.notes, error.problems))
-    order = {str(path): place for place, path in enumerate(find_files(files))}
+    order = {str(path): place for place, path in enumerate(find_files(there))}
     results.sort(key=lambda result: order[result["file"]])
+    results = [*missing, *results]
     valid = all(result["valid"] for result in results)
     if as_json:
         print_json({"valid": valid, "results": results})
     else:
         _print(results)
     raise typer.Exit(ExitCode.DONE if valid else ExitCode.GATE_FAILED)
-
-
-def _all_problems(file: UnreadableFile, client: Client) -> tuple[Problem, ...]:
-    """Returns what is wrong with a file, its well-formed parts checked against the road network."""
-    from drivora_service.scenario.importers.reading import FileFormat, detect_format
-
-    data = file.path.read_bytes()
-    try:
-        match detect_format(data):
-            case FileFormat.JSON:
-                client.validate_scenario(data)
-            case FileFormat.YAML:
-                client.validate_scenario(data, language="yaml")
-    except InvalidDocument as error:
-        return error.problems
-    return file.problems
 
 
 def _result(

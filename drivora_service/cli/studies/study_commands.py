@@ -20,7 +20,7 @@ from drivora_service.cli.terminal.options import (
     location,
 )
 from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
-from drivora_service.cli.terminal.output import JsonOption, fail, note, print_json, print_shape
+from drivora_service.cli.terminal.output import JsonOption, note, print_json, print_shape
 from drivora_service.errors import ConfigurationError, InvalidDocument, ServiceError
 
 if TYPE_CHECKING:
@@ -222,19 +222,18 @@ def _post_study(client: Client, file: Path) -> Study:
     """Posts a study file; prints what is wrong with it, each problem with its place."""
     import json
 
-    from drivora_service.cli.studies.study_files import read_study_file
+    from drivora_service.cli.scenarios.file_problems import read_or_exit
+    from drivora_service.cli.studies.study_files import read_study_draft
 
-    try:
-        study = read_study_file(file)
+    def post() -> Study:
+        study = read_study_draft(file)
         try:
+            # One with problems of its own is refused: it lacks a scenario, and is not begun.
             return client.post_study(json.dumps(study.content))
         except InvalidDocument as error:
             raise study.in_file(error) from error
-    except InvalidDocument as error:
-        fail(f"{file}: {len(error.problems)} problem(s)")
-        for problem in error.problems:
-            typer.echo(f"  {problem.pointer or '/'}: {problem.message}", err=True)
-        raise typer.Exit(ExitCode.USAGE_ERROR) from error
+
+    return read_or_exit(file, post)
 
 
 def _refuse_detaching(detach: bool, server: str) -> None:

@@ -144,7 +144,7 @@ def run(
     with open_client(server, data_dir, works=True, makes_data=True, workers=workers) as client:
         from drivora_service.cli.suites.last_failed import read_last_failed as failed_before
         from drivora_service.cli.suites.last_failed import remember_failed
-        from drivora_service.cli.suites.suite_files import read_gate_path, read_suite_path
+        from drivora_service.cli.suites.suite_files import read_suite_and_gate
         from drivora_service.cli.suites.suite_reports import failed_names, read_optional_baseline
         from drivora_service.cli.suites.suite_running import SuiteOrder, run_suite
         from drivora_service.suites.gate.baseline_definitions import check_definitions
@@ -152,8 +152,8 @@ def run(
         from drivora_service.suites.suite_results import scenario_hash
 
         known = _names_of(client)
-        read = read_suite_path(suite, known)
-        gate, accepted = read_gate_path(gate_file, known), read_optional_baseline(baseline)
+        read, gate = read_suite_and_gate(suite, gate_file, known)
+        accepted = read_optional_baseline(baseline)
         chosen = choose(
             read.scenarios,
             expression=select,
@@ -206,8 +206,7 @@ def judge(
     from drivora_service.cli.suites.suite_decisions import decide_and_report, print_and_exit
     from drivora_service.cli.suites.suite_files import (
         names_of_installation,
-        read_gate_path,
-        read_suite_path,
+        read_suite_and_gate,
         with_names_of,
     )
     from drivora_service.cli.suites.suite_reports import ReportFiles
@@ -218,7 +217,7 @@ def judge(
     files.check()
     done = merge_results([read_results(path) for path in results])
     known = with_names_of(done, names_of_installation())
-    read, gate = read_suite_path(suite, known), read_gate_path(gate_file, known)
+    read, gate = read_suite_and_gate(suite, gate_file, known)
     check_shards(done, read)
     for remark in check_results(done, read):
         note(f"note: {remark}")
@@ -248,8 +247,7 @@ def accept(
     """
     from drivora_service.cli.suites.suite_files import (
         names_of_installation,
-        read_gate_path,
-        read_suite_path,
+        read_suite_and_gate,
         with_names_of,
     )
     from drivora_service.suites.gate.baseline import (
@@ -264,7 +262,7 @@ def accept(
     check_file(baseline)
     done = merge_results([read_results(path) for path in results])
     known = with_names_of(done, names_of_installation())
-    read, gate = read_suite_path(suite, known), read_gate_path(gate_file, known)
+    read, gate = read_suite_and_gate(suite, gate_file, known)
     for remark in (*check_results(done, read), *check_judged(done)):
         note(f"note: {remark}")
     old = read_baseline(baseline) if baseline.is_file() else None
@@ -335,11 +333,13 @@ def list_scenarios(
     as_json: JsonOption = False,
 ) -> None:
     """Lists the scenarios of a suite with their tags and their difficulty; nothing is run."""
+    from drivora_service.cli.scenarios.file_problems import read_or_exit
     from drivora_service.cli.suites.suite_files import names_of_installation, read_suite_path
     from drivora_service.cli.suites.suite_reports import print_scenarios
     from drivora_service.suites.scenario_selection import choose
 
-    read = read_suite_path(suite, names_of_installation())
+    names = names_of_installation()
+    read = read_or_exit(suite, lambda: read_suite_path(suite, names))
     chosen = choose(read.scenarios, expression=select, tags=tag or ())
     if as_json:
         print_json(

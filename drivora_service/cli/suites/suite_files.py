@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from drivora_service.cli.scenarios.listed_scenarios import ListFile, expand_list, read_list_file
+from drivora_service.cli.scenarios.file_problems import read_both_or_exit
+from drivora_service.cli.scenarios.listed_scenarios import ListFile, expand_list, read_list_draft
 from drivora_service.cli.scenarios.scenario_files import SUFFIXES
 from drivora_service.errors import ConfigurationError, InvalidDocument
+from drivora_service.known_names import advise_name
 from drivora_service.scenario.plain_data import plain_data
 from drivora_service.scenario.scenario_schema import schema_directory
 from drivora_service.store.campaigns.study_records import LONGEST_LABEL
@@ -67,9 +69,26 @@ def read_suite_path(path: Path, known: KnownNames) -> Suite:
     """
     file = _list_file(path)
     try:
-        return read_suite(file.content, oracles=known.oracles, metrics=known.metrics)
+        suite = read_suite(file.content, oracles=known.oracles, metrics=known.metrics)
     except InvalidDocument as error:
         raise file.in_file(error) from error
+    if file.problems:
+        raise InvalidDocument(file.problems)
+    return suite
+
+
+def read_suite_and_gate(
+    suite: Path, gate: Path | None, known: KnownNames
+) -> tuple[Suite, GateDocument]:
+    """Reads a suite and a gate file; prints the problems of both and ends the command if any.
+
+    Raises:
+        ConfigurationError: One of them cannot be read.
+    """
+    return read_both_or_exit(
+        (suite, lambda: read_suite_path(suite, known)),
+        (gate or "the gate", lambda: read_gate_path(gate, known)),
+    )
 
 
 def read_gate_path(path: Path | None, known: KnownNames) -> GateDocument:
@@ -86,13 +105,7 @@ def read_gate_path(path: Path | None, known: KnownNames) -> GateDocument:
     except OSError as error:
         raise ConfigurationError(f"{path} cannot be read: {error.strerror}") from error
     language: Literal["json", "yaml"] = "json" if path.suffix.lower() == ".json" else "yaml"
-    try:
-        return read_gate_document(
-            data, oracles=known.oracles, metrics=known.metrics, format=language
-        )
-    except InvalidDocument as error:
-        problems = tuple(replace(p, message=f"{path}: {p.message}") for p in error.problems)
-        raise InvalidDocument(problems) from error
+    return read_gate_document(data, oracles=known.oracles, metrics=known.metrics, format=language)
 
 
 def _list_file(path: Path) -> ListFile:
@@ -106,8 +119,8 @@ def _list_file(path: Path) -> ListFile:
         if str(path) in shipped:
             return _list_file(shipped_suites() / path)
         raise ConfigurationError(
-            f"there is no suite {path}; name a file, a folder, or a shipped suite: "
-            f"{', '.join(shipped)}"
+            f"there is no suite {path}; {advise_name(str(path), shipped, word='shipped')}. "
+            "Name a file, a folder, or a shipped suite"
         )
     if path.suffix.lower() not in SUFFIXES:
         raise ConfigurationError(
@@ -119,7 +132,7 @@ def _list_file(path: Path) -> ListFile:
 
 
 def _suite_file(path: Path) -> ListFile:
-    return read_list_file(path, what="a suite", name_key="name", longest_name=LONGEST_LABEL)
+    return read_list_draft(path, what="a suite", name_key="name", longest_name=LONGEST_LABEL)
 
 
 def _bare(name: str, files: str, folder: Path) -> ListFile:
