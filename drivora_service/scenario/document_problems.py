@@ -145,7 +145,8 @@ def _message(details: ErrorDetails, model: type[BaseModel], *, guess: bool) -> s
     if kind == "extra_forbidden":
         return _unknown_key(details["loc"], model, guess=guess)
     if kind in _EXPECTED:
-        return f"found {_format_value(found)}; {_EXPECTED[kind]} is needed"
+        unit = _unit(details["loc"], model) if isinstance(found, str) else ""
+        return f"found {_format_value(found)}; {_EXPECTED[kind]} is needed{unit}"
     if kind in ("enum", "literal_error"):
         return f"found {_format_value(found)}; allowed: {context['expected']}"
     if kind == "string_pattern_mismatch":
@@ -163,6 +164,18 @@ def _message(details: ErrorDetails, model: type[BaseModel], *, guess: bool) -> s
     if kind.startswith(("string_", "int_", "float_", "finite_")):
         return f"found {_format_value(found)}; {details['msg']}"
     return details["msg"]
+
+
+def _unit(place: Sequence[str | int], model: type[BaseModel]) -> str:
+    """Returns the unit of a number, which text that was given in its place may name wrongly."""
+    field = model_at(model, place[:-1]).model_fields.get(str(place[-1]))
+    extra = [field.json_schema_extra, *field.metadata] if field is not None else []
+    for one in extra:
+        extra_of = one if isinstance(one, Mapping) else getattr(one, "json_schema_extra", None)
+        unit = extra_of.get("x-unit") if isinstance(extra_of, Mapping) else None
+        if isinstance(unit, str) and unit != "1":
+            return f", without a unit: it is in {unit}"
+    return ""
 
 
 def _format_value(value: object) -> str:

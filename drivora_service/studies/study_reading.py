@@ -2,19 +2,36 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal
+
+from pydantic import ValidationError
 
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument, campaign_text
-from drivora_service.campaigns.document.campaign_reading import ValidCampaign, read_campaign
+from drivora_service.campaigns.document.campaign_reading import (
+    ValidCampaign,
+    check_agent,
+    check_oracles,
+    check_scenario,
+    check_tester,
+    read_campaign,
+)
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.document_problems import in_document_order
 from drivora_service.scenario.fields import MAX_SEED
+from drivora_service.scenario.plain_data import MAX_PROBLEMS
 from drivora_service.scenario.structure import read_structure
 from drivora_service.store.campaigns.campaign_records import NewCampaign, StudyCell
-from drivora_service.studies.study_documents import MAX_CAMPAIGNS, StudyDocument
+from drivora_service.studies.study_documents import (
+    MAX_CAMPAIGNS,
+    StudyAgentDocument,
+    StudyDocument,
+    StudyMethodDocument,
+)
 
 _MOST_BYTES = 32 << 20
 """Size of a document, which holds many scenarios."""
@@ -72,7 +89,12 @@ def read_study(
         NetworkError: A network's file cannot be read.
     """
     document, content, odd = read_structure(
-        data, StudyDocument, format, what="a study", most_bytes=_MOST_BYTES
+        data,
+        StudyDocument,
+        format,
+        what="a study",
+        most_bytes=_MOST_BYTES,
+        further=partial(_problems_of_parts, catalogues),
     )
     problems = [*odd, *_repeated_labels(document), *_beyond_limits(document)]
     if problems:
@@ -86,6 +108,35 @@ def read_study(
         genes=genes,
         notes=tuple(dict.fromkeys(note for one in valid.values() for note in one.notes)),
     )
+
+
+def _problems_of_parts(catalogues: Catalogues, content: Mapping[str, Any]) -> Iterator[Problem]:
+    """Yields what is wrong with the well-formed parts of a study whose structure has problems."""
+    for place, item in _items(content, "scenarios"):
+        if isinstance(item, Mapping) and isinstance(item.get("document"), Mapping):
+            pointer = f"/scenarios/{place}/document"
+            yield from check_scenario(pointer, item["document"], catalogues, "")[1]
+    for place, item in _items(content, "agents"):
+        with contextlib.suppress(ValidationError):
+            agent = StudyAgentDocument.model_validate(item)
+            for problem in check_agent(agent, catalogues.agents):
+                inside = problem.pointer.removeprefix("/agent")
+                yield replace(problem, pointer=f"/agents/{place}{inside}")
+    for place, item in _items(content, "methods"):
+        with contextlib.suppress(ValidationError):
+            method = StudyMethodDocument.model_validate(item)
+            for problem in check_tester(method, catalogues.testers):
+                inside = problem.pointer.removeprefix("/tester")
+                yield replace(problem, pointer=f"/methods/{place}{inside}")
+    names = [name for _, name in _items(content, "oracles")]
+    yield from check_oracles(names, catalogues.oracles, ())
+
+
+def _items(content: Mapping[str, Any], key: str) -> Iterator[tuple[int, Any]]:
+    """Yields the items of a list with their places; nothing if it is no list."""
+    found = content.get(key)
+    if isinstance(found, list | tuple):
+        yield from enumerate(found[:MAX_PROBLEMS])
 
 
 def _repeated_labels(document: StudyDocument) -> Iterator[Problem]:

@@ -175,10 +175,10 @@ def read_campaign(
         *(problem for problem in structural if problem.pointer not in known),
     ]
     if tester is not None:
-        problems += _check_tester(tester, catalogues.testers)
+        problems += check_tester(tester, catalogues.testers)
         problems += _check_laws(tester, catalogues)
     if agent is not None:
-        problems += _check_agent(agent, catalogues.agents)
+        problems += check_agent(agent, catalogues.agents)
     feedback = document.feedback if document else _part(FeedbackDocument, content, "feedback")
     objectives = FeedbackReading()
     if feedback is not None:
@@ -188,7 +188,7 @@ def read_campaign(
     names = content.get("oracles")
     if isinstance(names, list | tuple):
         wrong = {problem.pointer for problem in problems}
-        problems += _check_oracles(names, catalogues.oracles, wrong)
+        problems += check_oracles(names, catalogues.oracles, wrong)
     if problems or document is None:
         raise InvalidDocument(in_document_order(problems, content))
     campaign = replace(to_campaign(document), objectives=objectives.objectives)
@@ -313,13 +313,13 @@ def _scenarios(
     found: list[ValidScenario] = []
     problems: list[Problem] = []
     for pointer, scenario in _scenario_parts(content):
-        valid, inside = _scenario(pointer, scenario, catalogues, driven_by)
+        valid, inside = check_scenario(pointer, scenario, catalogues, driven_by)
         found += [] if valid is None else [valid]
         problems += inside
     return found, problems
 
 
-def _scenario(
+def check_scenario(
     pointer: str, scenario: Mapping[str, Any], catalogues: Catalogues, driven_by: str
 ) -> tuple[ValidScenario | None, list[Problem]]:
     """Returns the scenario, or ``None``, and its problems."""
@@ -347,7 +347,8 @@ def _part(model: type[M], content: Mapping[str, Any], key: str) -> M | None:
         return None
 
 
-def _check_tester(tester: TesterDocument, catalogue: TesterCatalogue) -> Iterator[Problem]:
+def check_tester(tester: TesterDocument, catalogue: TesterCatalogue) -> Iterator[Problem]:
+    """Yields what is wrong with the tester of a campaign, at its places in the campaign."""
     try:
         plugin = catalogue.plugin(tester.name)
     except UnknownName as error:
@@ -398,7 +399,8 @@ def _check_laws(tester: TesterDocument, catalogues: Catalogues) -> Iterator[Prob
             yield _unknown(pointer, UnknownName("law", name, known), "`drivora laws list`")
 
 
-def _check_agent(agent: AgentDocument, catalogue: AgentCatalogue) -> Iterator[Problem]:
+def check_agent(agent: AgentDocument, catalogue: AgentCatalogue) -> Iterator[Problem]:
+    """Yields what is wrong with the agent of a campaign, at its places in the campaign."""
     try:
         entry = catalogue.entry(agent.name)
     except UnknownName as error:
@@ -412,7 +414,7 @@ def _check_agent(agent: AgentDocument, catalogue: AgentCatalogue) -> Iterator[Pr
         yield replace(problem, pointer=f"/agent/parameters{problem.pointer}")
 
 
-def _check_oracles(
+def check_oracles(
     names: Sequence[object], catalogue: OracleCatalogue, wrong: Collection[str]
 ) -> Iterator[Problem]:
     """Checks the names of oracles, without those that are known to be wrong."""

@@ -40,10 +40,12 @@ class CampaignDraft:
     Attributes:
         content: The document; it has no scenario if that could not be read.
         problems: What is wrong with the text of the file, and why its scenario could not be read.
+        keys: The keys of the file in their order.
     """
 
     content: dict[str, Any]
     problems: tuple[Problem, ...]
+    keys: tuple[str, ...]
 
     def with_problems(self, error: InvalidDocument) -> InvalidDocument:
         """Returns the problems of the file and those of its content, in the order of the file.
@@ -57,9 +59,9 @@ class CampaignDraft:
             # That the scenario is missing from the content is due to what is wrong with it.
             if not (self.problems and problem.pointer in ("", "/scenario", "/scenarios"))
         ]
-        return InvalidDocument(
-            in_document_order((*self.problems, *others), {"scenario": {}, **self.content})
-        )
+        # The scenarios of a folder are those of the scenario in the file.
+        order = {key: self.content.get(key, {}) for key in self.keys}
+        return InvalidDocument(in_document_order((*self.problems, *others), order))
 
 
 def read_campaign_draft(path: Path) -> CampaignDraft:
@@ -78,7 +80,7 @@ def read_campaign_draft(path: Path) -> CampaignDraft:
     if problems and not content:
         raise InvalidDocument(tuple(problems))
     scenario = content.get("scenario")
-    found = list(problems)
+    found, keys = list(problems), tuple(content)
     try:
         if isinstance(scenario, Mapping) and set(scenario) == {"file"}:
             content["scenario"] = _read_scenario(scenario["file"], path.parent)
@@ -88,7 +90,7 @@ def read_campaign_draft(path: Path) -> CampaignDraft:
     except InvalidDocument as error:
         content.pop("scenario", None)
         found += error.problems
-    return CampaignDraft(content=content, problems=tuple(found))
+    return CampaignDraft(content=content, problems=tuple(found), keys=keys)
 
 
 def _read_scenarios(name: object, folder: Path) -> list[dict[str, Any]]:

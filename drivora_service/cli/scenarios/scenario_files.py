@@ -81,8 +81,10 @@ def describe_missing(path: Path) -> str:
     folder = path.parent
     if not folder.is_dir():
         return f"there is no file {path}: there is no folder {folder}"
-    close = similar_names(path.name, [one.name for one in folder.iterdir()])
-    meant = f"; did you mean {str(folder / close[0])!r}?" if close else ""
+    # Endings are alike without being meant.
+    names = {one.stem: one.name for one in sorted(folder.iterdir(), reverse=True)}
+    close = similar_names(path.stem, names)
+    meant = f"; did you mean {str(folder / names[close[0]])!r}?" if close else ""
     return f"there is no file {path}{meant}"
 
 
