@@ -119,7 +119,7 @@ def serve_until_stopped(settings: Settings) -> None:
     try:
         server.run(sockets=[listener])
     except KeyboardInterrupt:
-        _log.info("stopped")
+        _log.info("stopped", advice="what is queued or paused is kept; start it again to go on")
     finally:
         _withdraw(announcement)
     if ending.broken:

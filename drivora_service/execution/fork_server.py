@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from multiprocessing import forkserver
 from multiprocessing.connection import wait
 from multiprocessing.process import BaseProcess
@@ -60,13 +62,30 @@ def prepare_processes(*, preloaded: bool = True) -> None:
     os.environ.update(ENVIRONMENT)
     forkserver.set_forkserver_preload(["__main__", *([_PRELOADED] if preloaded else [])])
     try:
-        forkserver.ensure_running()
+        with _ignored_interrupts():
+            forkserver.ensure_running()
     except OSError as error:
         raise ConfigurationError(
             f"no worker process can be started from the folder of temporary files, "
             f"{tempfile.gettempdir()}: {error}. Set TMPDIR to a folder that can be written, with "
             f"a path of at most {_LONGEST_FOLDER} characters"
         ) from error
+
+
+@contextmanager
+def _ignored_interrupts() -> Iterator[None]:
+    """Has a process that is started now ignore Ctrl-C, which it gets together with this one.
+
+    Until a fork server has got ready to ignore it, it would print a traceback.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def start_process(target: Callable[..., None], args: tuple[Any, ...]) -> BaseProcess:
@@ -143,6 +162,8 @@ def _run(environment: dict[str, str], target: Callable[..., None], args: tuple[A
     # The fork server has the variables with which it was started itself.
     os.environ.clear()
     os.environ.update(environment)
+    # What the process starts must be able to be interrupted: the fork server itself is not.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     target(*args)
 
 

@@ -146,7 +146,7 @@ def test_a_campaign_is_left_alone_paused_resumed_and_given_up(
     watching.send_signal(signal.SIGINT)
     _, said = watching.communicate(timeout=240.0)
     assert "the service continues it" in said
-    assert watching.returncode == 3
+    assert watching.returncode == 130
     state_becomes("running")
     cancelled = drivora("campaign", "cancel", campaign["id"], *server, "--json").json()
     assert cancelled["state"] in ("running", "cancelled")

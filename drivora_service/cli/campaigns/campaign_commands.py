@@ -14,6 +14,7 @@ from drivora_service.cli.campaigns.campaign_validate_command import exit_on_prob
 from drivora_service.cli.campaigns.comparison_commands import compare, report
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.error_printing import say_error
+from drivora_service.cli.terminal.interruption import say_interrupted
 from drivora_service.cli.terminal.options import (
     DataDirOption,
     ExecutorOption,
@@ -86,7 +87,7 @@ def run(
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Runs a campaign; an interrupt (Ctrl-C) pauses it, and then exits with 3.
+    """Runs a campaign; an interrupt (Ctrl-C) pauses it, and then exits with 130.
 
     With --server the service runs it; an interrupt then only ends the watching.
     """
@@ -304,13 +305,17 @@ def _finish(
             _show(client, campaign, as_json=True)
         return
     where = f"{campaign.id} {location(server, data_dir)}".rstrip()
+    is_interrupted = False
     try:
         campaign = follow(client, campaign.id)
     except KeyboardInterrupt as error:
         if server:
-            note(f"the service continues it; stop it with: drivora campaign pause {where}")
-            raise typer.Exit(ExitCode.NOT_DONE) from error
+            say_interrupted(
+                f"the service continues it; stop it with: drivora campaign pause {where}"
+            )
+            raise typer.Exit(ExitCode.INTERRUPTED) from error
         campaign = pause_and_wait(client, campaign.id)
+        is_interrupted = True
     except ServiceError:
         # It has been stored, whatever has become of it.
         note(f"campaign {campaign.id}: drivora campaign show {where}")
@@ -318,6 +323,13 @@ def _finish(
     if out is not None:
         export_campaign(client, campaign, out)
     _show(client, campaign, as_json=as_json)
+    if is_interrupted and campaign.state is CampaignState.PAUSED:
+        done = campaign.counts.evaluations
+        say_interrupted(
+            f"the campaign is paused and its {done} evaluations are kept; resume it with: "
+            f"drivora campaign resume {where}"
+        )
+        raise typer.Exit(ExitCode.INTERRUPTED)
     if campaign.state in (
         CampaignState.PAUSED,
         CampaignState.FAILED,

@@ -9,6 +9,7 @@ import typer
 
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.terminal.interruption import say_interrupted
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption, WorkersOption
 from drivora_service.cli.terminal.out_option import check_file, check_folder
 from drivora_service.cli.terminal.output import JsonOption, fail, note, print_shape
@@ -99,12 +100,12 @@ def _run_minimization(
         with minimization_display(minimization) as show:
             return client.wait_for_minimization(minimization.id, on_progress=show)
     except KeyboardInterrupt as error:
-        note(
+        say_interrupted(
             "the service continues it"
             if is_on_service
-            else "interrupted; the same command goes on where it was"
+            else "its simulations are kept; the same command goes on where it was"
         )
-        raise typer.Exit(ExitCode.NOT_DONE) from error
+        raise typer.Exit(ExitCode.INTERRUPTED) from error
 
 
 def _show(minimization: Minimization, *, as_json: bool) -> None:

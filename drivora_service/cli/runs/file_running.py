@@ -12,6 +12,7 @@ from typing import Unpack
 from drivora_service.api.schemas.batches import BatchItem, ItemResult
 from drivora_service.cli.runs.run_output import ScenarioResult
 from drivora_service.cli.scenarios.scenario_files import ScenarioFile
+from drivora_service.cli.terminal.interruption import say_interrupted
 from drivora_service.cli.terminal.out_option import write_result
 from drivora_service.cli.terminal.output import note
 from drivora_service.cli.terminal.private_files import give_to_user
@@ -123,10 +124,16 @@ def write_report(folder: Path, result: ScenarioResult) -> None:
 @contextmanager
 def note_batch_on_stop(batch_id: str, where: str) -> Iterator[None]:
     """Prints how to find the runs of a batch if the command does not wait for all of them."""
+    found = f"its runs: drivora runs list --batch {batch_id} {where}".rstrip()
     try:
         yield
+    except KeyboardInterrupt:
+        is_on_service = where.startswith("--server")
+        others = "the service continues the others" if is_on_service else "the others are cancelled"
+        say_interrupted(f"runs that have ended are kept, {others}; {found}")
+        raise
     except BaseException:
-        note(f"its runs: drivora runs list --batch {batch_id} {where}".rstrip())
+        note(found)
         raise
 
 

@@ -10,6 +10,7 @@ import typer
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.error_printing import ErrorPrinter
+from drivora_service.cli.terminal.interruption import say_interrupted
 from drivora_service.cli.terminal.options import (
     DataDirOption,
     EqualTimeOption,
@@ -261,15 +262,17 @@ def _finish(
             _show(client, study, as_json=True)
         return
     where = f"{study.id} {location(server, data_dir)}".rstrip()
+    is_interrupted = False
     try:
         with study_display(study) as display:
             study = client.follow_study(study.id, on_progress=display.show)
     except KeyboardInterrupt as error:
         if server:
-            note(f"the service continues it; stop it with: drivora study pause {where}")
-            raise typer.Exit(ExitCode.NOT_DONE) from error
+            say_interrupted(f"the service continues it; stop it with: drivora study pause {where}")
+            raise typer.Exit(ExitCode.INTERRUPTED) from error
         client.pause_study(study.id)
         study = client.follow_study(study.id)
+        is_interrupted = True
     except ServiceError:
         # It has been stored, whatever has become of it.
         note(f"study {study.id}: drivora study show {where}")
@@ -277,6 +280,12 @@ def _finish(
     _show(client, study, as_json=as_json)
     if study.state is StudyState.FINISHED:
         return
+    if is_interrupted and study.state is StudyState.PAUSED:
+        say_interrupted(
+            f"the study is paused and its {study.simulations} simulations are kept; resume it "
+            f"with: drivora study resume {where}"
+        )
+        raise typer.Exit(ExitCode.INTERRUPTED)
     if study.state is not StudyState.CANCELLED:
         note(f"{study.state}; resume it with: drivora study resume {where}")
     raise typer.Exit(ExitCode.NOT_DONE)

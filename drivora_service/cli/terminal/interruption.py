@@ -21,4 +21,4 @@ def say_interrupted(kept: str) -> None:
 def end_interrupted() -> None:
     """Prints that the command was interrupted, unless the command itself has said more."""
     if not _said:
-        say_interrupted("nothing is left running; give the same command again to begin anew")
+        say_interrupted("what it has stored is kept; give the same command again to go on")

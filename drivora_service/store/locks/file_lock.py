@@ -93,7 +93,7 @@ def is_locked(path: Path) -> bool:
 def _convert_lock_errors(path: Path) -> Iterator[None]:
     try:
         yield
-    except (Timeout, BlockingIOError):
+    except (Timeout, BlockingIOError, FileNotFoundError):
         raise
     except OSError as error:
         if error.errno not in _WITHOUT_LOCKS:

@@ -242,7 +242,11 @@ def test_an_interrupt_pauses_and_another_process_can_ask_for_it(
     process = begin_campaign(tmp_path, "run", campaign_file)
     campaign_id = wait_until_told(tmp_path, process, 2)
     process.send_signal(signal.SIGINT)
-    assert process.wait(60.0) == 3
+    assert process.wait(60.0) == 130
+    log = (tmp_path / "campaign.log").read_text()
+    assert "interrupted: the campaign is paused and its " in log
+    assert f"resume it with: drivora campaign resume {campaign_id}" in log
+    assert "Traceback" not in log
     assert drivora("campaign", "show", campaign_id, "--json").json()["state"] == "paused"
 
     told = len(evaluations(tmp_path, campaign_id))

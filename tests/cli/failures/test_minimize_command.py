@@ -133,7 +133,7 @@ def test_the_same_command_goes_on_where_one_was_ended(
     data = tmp_path / "data"
     process, minimization = begun(data, run_id, tmp_path / "first.log", 2)
     process.send_signal(signal.SIGTERM)
-    assert process.wait(60.0) == 3
+    assert process.wait(60.0) == 130
     assert "the same command goes on" in (tmp_path / "first.log").read_text()
     told = simulations(data, minimization)
     process, again_id = begun(data, run_id, tmp_path / "second.log", told)
