@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from drivora_service.errors import DrivoraError, Problem, SearchError
-from drivora_service.known_names import advise_name
+from drivora_service.known_names import advise_name, list_names
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -149,7 +149,7 @@ def describe_allowed_values(schema: Mapping[str, Any]) -> str:
     if "anyOf" in schema:
         return " or ".join(describe_allowed_values(choice) for choice in schema["anyOf"])
     if "enum" in schema or "const" in schema:
-        return ", ".join(map(json.dumps, schema.get("enum", (schema.get("const"),))))
+        return list_names([json.dumps(one) for one in schema.get("enum", (schema.get("const"),))])
     match schema.get("type"):
         case "number" | "integer" as kind:
             return _number_in_words("a number" if kind == "number" else "an integer", schema)

@@ -15,6 +15,7 @@ from typing import Any
 from drivora_service.errors import UnknownName
 from drivora_service.parameters import ParameterDescription
 from drivora_service.scenario.model import AgentChoice
+from drivora_service.short_values import short_value
 
 ID_LENGTH = 8
 """Hexadecimal digits of an id: two of a thousand configurations share one in 1 of 8000 stores."""
@@ -102,7 +103,7 @@ def _as_declared(value: Any, schema: Mapping[str, Any]) -> Any:
 
 
 def _value_text(value: Any) -> str:
-    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    text = value if isinstance(value, str) else short_value(value, longest=_LONGEST_VALUE)
     text = " ".join(text.split())
     return text if len(text) <= _LONGEST_VALUE else f"{text[: _LONGEST_VALUE - 1]}…"
 

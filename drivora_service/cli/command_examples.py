@@ -78,9 +78,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "drivora suite run suites/city --agent acme --junit junit.xml --report report",
         ),
         "suite gate": ("drivora suite gate suites/city results.json --summary summary.md",),
-        "suite baseline": (
-            "drivora suite baseline suites/city results.json --baseline base.json --dry-run",
-        ),
+        "suite baseline": ("drivora suite baseline suites/city results.json --dry-run",),
         "suite history": ("drivora suite history smoke --agent idm",),
         "suite list": ("drivora suite list smoke --tag collision",),
         "seeds generate": ("drivora seeds generate --town rural --num 20 --out seeds",),

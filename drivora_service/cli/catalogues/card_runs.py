@@ -146,8 +146,8 @@ _COLUMNS = (
     "at\nfault",
     "avoid-\nable",
     "red\nlights",
-    "score",
-    "comfort",
+    "score\n(%)",
+    "comfort\n(0-1)",
     "step\n(ms)",
     "agent\n(ms)",
 )

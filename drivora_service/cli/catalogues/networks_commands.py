@@ -28,6 +28,10 @@ def list_networks(
             typer.echo(network.name)
 
 
+_UNITS = {"bounds": "bounds (m)", "net_offset": "net offset (m)", "drivable_km": "drivable (km)"}
+"""Names of facts with their units."""
+
+
 @app.command()
 def show(
     name: Annotated[str, typer.Argument(help="A network of `drivora networks list`.")],
@@ -41,7 +45,7 @@ def show(
     if as_json:
         print_json(facts)
     else:
-        rows = ((key.replace("_", " "), _text(facts[key])) for key in facts)
+        rows = ((_UNITS.get(key, key).replace("_", " "), _text(facts[key])) for key in facts)
         print_table("", ("fact", "value"), rows, wrap=("value",))
 
 

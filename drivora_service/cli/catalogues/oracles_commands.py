@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Annotated
 
 import typer
@@ -16,6 +15,7 @@ from drivora_service.cli.terminal.output import (
     print_models,
     print_table,
 )
+from drivora_service.short_values import short_value
 
 app = typer.Typer(help="The oracles that runs are judged by.", no_args_is_help=True)
 
@@ -63,6 +63,6 @@ def show(
         print_table(
             "",
             ("threshold", "value (SI units)"),
-            ((key, json.dumps(value)) for key, value in oracle.thresholds.items()),
+            ((key, short_value(value)) for key, value in oracle.thresholds.items()),
             wrap=("value (SI units)",),
         )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,12 +9,15 @@ from typing import Any
 from drivora_service.api.schemas.runs import Run
 from drivora_service.cli.terminal.output import number, print_table
 from drivora_service.errors import Problem
+from drivora_service.metrics.metric_descriptions import METRICS
+from drivora_service.oracles.oracle_descriptions import SHARE
 from drivora_service.oracles.verdict import Outcome, Severity, Verdict
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, Accountability, accountability
 from drivora_service.oracles.verdicts.artefact_verdicts import find_artefact_verdicts
 from drivora_service.oracles.verdicts.failure_facts import followed_oracle
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.shapes import adapter
+from drivora_service.short_values import short_value
 from drivora_service.store.runs.run_records import RunSummary
 
 _FAULT = {
@@ -77,11 +79,23 @@ def violations(run: Run) -> tuple[Verdict, ...]:
     return tuple(verdict for verdict in run.verdicts if verdict.outcome is Outcome.VIOLATED)
 
 
+_COLUMNS = (
+    "scenario",
+    "status",
+    "violations",
+    "sim time (s)",
+    "speed",
+    "step (µs)",
+    "agents (µs)",
+)
+"""Simulated time, its ratio to real time, the cost of a step without the agents, and theirs."""
+
+
 def print_results(results: Sequence[ScenarioResult]) -> None:
     """Prints a row a scenario, and below the table why runs were not judged."""
     print_table(
         "",
-        ("scenario", "status", "violations", "sim time", "real time", "step cost", "agents"),
+        _COLUMNS,
         (_row(result) for result in results),
         wrap=("violations",),
     )
@@ -116,15 +130,19 @@ def print_result(result: ScenarioResult, *, where: str = "") -> None:
         print_table("Verdicts", columns, rows, wrap=("message",))
     _print_failures(run)
     if run.metrics:
-        metrics = ((name, number(value, 3)) for name, value in run.metrics.items())
-        print_table("Metrics", ("metric", "value"), metrics)
+        units = {one.name: one.unit for one in METRICS}
+        metrics = (
+            (name, number(value, 3), units.get(name.partition("[")[0], "").replace(SHARE, ""))
+            for name, value in run.metrics.items()
+        )
+        print_table("Metrics", ("metric", "value", "unit"), metrics)
     if run.scores:
         scores = ((name, number(value, 3)) for name, value in run.scores.items())
         print_table("Objectives: the least is nearest to a failure", ("objective", "value"), scores)
     if run.configuration_id:
         print(f"Configuration {run.configuration_id}: {run.configuration}")
     for ego, agent in run.agents.items():
-        parameters = (f"{name} {json.dumps(value)}" for name, value in agent.parameters.items())
+        parameters = (f"{name} {short_value(value)}" for name, value in agent.parameters.items())
         print(f"Agent of {ego}: {', '.join((agent.name, *parameters))}")
     if result.trace:
         print(f"Trace: {result.trace}  (draw it: drivora plot {result.trace})")
@@ -226,10 +244,10 @@ def _row(result: ScenarioResult) -> tuple[str, ...]:
         result.scenario,
         result.status.replace("_", " "),
         summary(run),
-        f"{sim:.1f} s",
-        f"{sim / wall:.0f}" if wall else "-",
-        f"{run.step_cost_us or 0.0:.0f} µs",
-        f"{sum(costs):.0f} µs" if costs else "-",
+        f"{sim:.1f}",
+        f"{sim / wall:.0f} × real time" if wall else "-",  # noqa: RUF001 # no letter
+        f"{run.step_cost_us or 0.0:.0f}",
+        f"{sum(costs):.0f}" if costs else "-",
     )
 
 

@@ -113,14 +113,14 @@ def _print_verdicts(runs: Sequence[Run]) -> None:
         return (
             run.label,
             run.status.replace("_", " "),
-            f"{run.sim_time_s:.1f} s" if run.sim_time_s else "-",
+            f"{run.sim_time_s:.1f}" if run.sim_time_s else "-",
             number(run.metrics.get("driving_score"), 2),
             summary(run),
         )
 
     print_table(
         "",
-        ("scenario", "status", "sim time", "driving score", "violations"),
+        ("scenario", "status", "sim time (s)", "driving score (%)", "violations"),
         map(row, runs),
         wrap=("violations",),
     )

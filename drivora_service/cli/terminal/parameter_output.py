@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -15,6 +14,7 @@ if TYPE_CHECKING:
 def print_parameters(parameters: Iterable[AgentParameter | TesterParameter]) -> None:
     """Prints a row a parameter."""
     from drivora_service.parameters import describe_allowed_values
+    from drivora_service.short_values import short_value
 
     print_table(
         "",
@@ -22,7 +22,7 @@ def print_parameters(parameters: Iterable[AgentParameter | TesterParameter]) -> 
         (
             (
                 parameter.name,
-                json.dumps(parameter.default),
+                short_value(parameter.default),
                 describe_allowed_values(parameter.values),
                 parameter.description,
             )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 
 from drivora_service.campaigns.document.campaign import FeedbackMode
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument
 from drivora_service.markdown_text import table
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountability
+from drivora_service.short_values import short_value
 from drivora_service.store.campaigns.campaign_records import Confirmation
 from drivora_service.studies.campaign_figures import CampaignFigures
 from drivora_service.studies.reports.campaign_report import CampaignReport, FailureGroup
@@ -258,4 +258,4 @@ def _numbers(group: FailureGroup) -> str:
 
 
 def _plain(value: object) -> str:
-    return value if isinstance(value, str) else json.dumps(value)
+    return value if isinstance(value, str) else short_value(value)
