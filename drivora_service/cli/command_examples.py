@@ -50,7 +50,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "campaign pause": ("drivora campaign pause 01a22774cd2687ba3ce38413",),
         "campaign cancel": ("drivora campaign cancel 01a22774cd2687ba3ce38413",),
         "campaign compare": ("drivora campaign compare 'random-*' 'samota-*' --out compared",),
-        "campaign report": ("drivora campaign report 01a22774cd2687ba3ce38413 --out report",),
+        "campaign report": ("drivora campaign report 01a22774cd2687ba3ce38413 --out report.md",),
         "campaign export": (
             "drivora campaign export 01a22774cd2687ba3ce38413 --suite suites/found",
         ),
@@ -78,7 +78,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "drivora suite run suites/city --agent acme --junit junit.xml --report report",
         ),
         "suite gate": ("drivora suite gate suites/city results.json --summary summary.md",),
-        "suite baseline": ("drivora suite baseline suites/city results.json --dry-run",),
+        "suite baseline": ("drivora suite baseline suites/city results.json --baseline base.json",),
         "suite history": ("drivora suite history smoke --agent idm",),
         "suite list": ("drivora suite list smoke --tag collision",),
         "seeds generate": ("drivora seeds generate --town rural --num 20 --out seeds",),
