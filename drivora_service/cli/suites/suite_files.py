@@ -119,8 +119,8 @@ def _list_file(path: Path) -> ListFile:
         if str(path) in shipped:
             return _list_file(shipped_suites() / path)
         raise ConfigurationError(
-            f"there is no suite {path}; {advise_name(str(path), shipped, word='shipped')}. "
-            "Name a file, a folder, or a shipped suite"
+            f"there is no suite {path}; {advise_name(str(path), shipped, word='shipped')}. Name a "
+            "file, a folder, or a shipped suite"
         )
     if path.suffix.lower() not in SUFFIXES:
         raise ConfigurationError(

@@ -214,7 +214,7 @@ def test_problems_of_a_suite_are_named_in_its_files(drivora: Drivora, suite: Pat
     broken = suite / "scenarios" / "wet-arterial.json"
     broken.write_text(broken.read_text().replace('"map_region"', '"map_regoin"'))
     ended = drivora("suite", "list", suite)
-    assert ended.code == 3
+    assert ended.code == 2
     assert "/scenarios/0: " in ended.err
     assert "wet-arterial.json: /map_regoin" in ended.err
 
