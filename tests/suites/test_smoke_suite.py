@@ -108,7 +108,7 @@ def test_its_name_is_one_of_the_shipped_suites(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     known = names_of_installation()
-    with pytest.raises(ConfigurationError, match="did you mean 'smoke'. Shipped: smoke"):
+    with pytest.raises(ConfigurationError, match=r"did you mean 'smoke'\? Shipped: smoke"):
         read_suite_path(Path("smok"), known)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "smoke").mkdir()
