@@ -135,7 +135,10 @@ def open_replacement(path: Path) -> Iterator[BinaryIO]:
             yield file
         partial.replace(path)
     except OSError as error:
-        raise StoreError(f"cannot write {path}: {error}") from error
+        raise StoreError(
+            f"cannot write {path}: {error.strerror or error}; free space there, or name another "
+            "place"
+        ) from error
     finally:
         with contextlib.suppress(OSError):
             partial.unlink(missing_ok=True)
