@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.campaigns.campaign_export_command import export
 from drivora_service.cli.campaigns.campaign_presets_command import presets
-from drivora_service.cli.campaigns.campaign_validate_command import exit_on_problems, validate
+from drivora_service.cli.campaigns.campaign_validate_command import validate
 from drivora_service.cli.campaigns.comparison_commands import compare, report
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.error_printing import say_error
@@ -106,20 +106,14 @@ def run(
     ) as client:
         import json
 
-        from drivora_service.cli.campaigns.campaign_files import read_campaign_draft
+        from drivora_service.cli.campaigns.campaign_files import send_campaign
         from drivora_service.cli.campaigns.campaign_gates import gate_of_document
-        from drivora_service.cli.scenarios.file_problems import read_or_exit
 
-        def post() -> tuple[Campaign, Gate | None]:
-            draft = read_campaign_draft(file)
-            try:
-                chosen = gate_of_document(client, draft.content, gate_oracle or (), is_wanted=gate)
-                # One with problems of its own is refused: it lacks its scenario, and is not begun.
-                return client.post_campaign(json.dumps(draft.content)), chosen
-            except InvalidDocument as error:
-                raise draft.with_problems(error) from error
+        def post(content: dict[str, Any]) -> tuple[Campaign, Gate | None]:
+            chosen = gate_of_document(client, content, gate_oracle or (), is_wanted=gate)
+            return client.post_campaign(json.dumps(content)), chosen
 
-        campaign, chosen = read_or_exit(file, post)
+        campaign, chosen = send_campaign(file, post)
         for remark in campaign.notes:
             note(f"note: {remark}")
         note(f"campaign {campaign.id}")

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
+from drivora_service.cli.scenarios.file_problems import read_or_exit
 from drivora_service.cli.scenarios.scenario_files import describe_unreadable, read_files
 from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
 from drivora_service.scenario.document_problems import in_document_order
 from drivora_service.scenario.importers.reading import FileFormat, detect_format, read_scenarios
 from drivora_service.scenario.plain_data import plain_data, refusal
 from drivora_service.scenario.scenario_schema import schema_directory
+
+_Answer = TypeVar("_Answer")
 
 
 def shipped_campaigns() -> Path:
@@ -91,6 +94,27 @@ def read_campaign_draft(path: Path) -> CampaignDraft:
         content.pop("scenario", None)
         found += error.problems
     return CampaignDraft(content=content, problems=tuple(found), keys=keys)
+
+
+def send_campaign(path: Path, send: Callable[[dict[str, Any]], _Answer]) -> _Answer:
+    """Sends a campaign file; prints every problem and ends the command if it has any.
+
+    A file with problems of its own is sent as well, without the part that cannot be read: so the
+    problems of its other parts are found, too, and it is never begun.
+
+    Args:
+        path: The file.
+        send: Sends its content; raises ``InvalidDocument`` if it has problems.
+    """
+
+    def read_and_send() -> _Answer:
+        draft = read_campaign_draft(path)
+        try:
+            return send(draft.content)
+        except InvalidDocument as error:
+            raise draft.with_problems(error) from error
+
+    return read_or_exit(path, read_and_send)
 
 
 def _read_scenarios(name: object, folder: Path) -> list[dict[str, Any]]:
