@@ -12,6 +12,7 @@ from enum import IntEnum
 from typing import Any, NamedTuple, Protocol
 
 from drivora_service.agents.log import AgentLog
+from drivora_service.agents.raster.raster_settings import Raster, RasterSettings
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.routes.lane_route import LaneRoute
@@ -44,6 +45,18 @@ class AgentContext:
     seed: int
     parameters: Mapping[str, Any]
     log: AgentLog
+
+    def raster(self, settings: RasterSettings | None = None) -> Raster:
+        """Returns what draws bird's-eye images of this run; call it in ``setup_env``.
+
+        Args:
+            settings: Size, scale and channels; by default all channels on 128 x 128 pixels of
+                0.5 m.
+        """
+        # Imported here: most agents need no images, and ADSs in other processes import this module.
+        from drivora_service.agents.raster.birds_eye import BirdsEyeRaster
+
+        return BirdsEyeRaster(self, settings or RasterSettings())
 
 
 class ObjectKind(IntEnum):

@@ -19,7 +19,9 @@ from drivora_service.agents.interface import (
     TrajectoryControl,
 )
 from drivora_service.agents.log import AgentLog
+from drivora_service.agents.raster.raster_settings import RasterSettings
 from drivora_service.agents.remote import agent_pb2 as pb
+from drivora_service.agents.remote.requested_rasters import RequestedRasters
 from drivora_service.agents.remote.views import (
     ContextView,
     LaneView,
@@ -33,8 +35,16 @@ _COLUMNS = 9
 _LIGHTS = tuple(Light)
 
 
-def context_view(request: pb.SetupRequest, log: AgentLog) -> ContextView:
-    """Returns the context of a run for an adapter."""
+def context_view(
+    request: pb.SetupRequest, log: AgentLog, rasters: RequestedRasters | None = None
+) -> ContextView:
+    """Returns the context of a run for an adapter.
+
+    Args:
+        request: Drivora's message.
+        log: Log of the ADS.
+        rasters: Collects the images that the ADS requests.
+    """
     return ContextView(
         ego_id=request.ego_id,
         vehicle=_vehicle(request.vehicle),
@@ -45,6 +55,20 @@ def context_view(request: pb.SetupRequest, log: AgentLog) -> ContextView:
         seed=request.seed,
         parameters=json.loads(request.parameters_json or "{}"),
         log=log,
+        rasters=rasters or RequestedRasters(request.raster_channels),
+    )
+
+
+def raster_request(settings: RasterSettings) -> pb.RasterRequest:
+    """Returns the message that requests images."""
+    return pb.RasterRequest(
+        height=settings.height,
+        width=settings.width,
+        metres_per_pixel=settings.metres_per_pixel,
+        ego_from_top=settings.ego_from_top,
+        ego_from_left=settings.ego_from_left,
+        channels=[channel.label for channel in settings.channels],
+        history=settings.history,
     )
 
 

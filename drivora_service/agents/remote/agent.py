@@ -11,15 +11,18 @@ import numpy as np
 from drivora_service.agents.interface import AgentContext, Control, Observation
 from drivora_service.agents.log import MOST_PLAN_POINTS, AgentLog
 from drivora_service.agents.manifest import AgentDeadlines
+from drivora_service.agents.raster.raster_settings import Raster
 from drivora_service.agents.remote import agent_pb2 as pb
 from drivora_service.agents.remote.hosts import Host
 from drivora_service.agents.remote.remote_messages import (
     control_of,
     invalid,
+    requested_rasters,
     setup_request,
     step_request,
 )
 from drivora_service.errors import AgentError
+from drivora_service.geometry.array_shapes import ByteArray
 
 _DETAILS = 8000
 _MOST_NAMES, _LONGEST_NAME = 1000, 200
@@ -40,9 +43,10 @@ class RemoteAgent:
         self._log = AgentLog()
         self._columns: dict[str, int] = {}
         self._room = _LOG_CHARACTERS
+        self._rasters: tuple[tuple[Raster, ByteArray], ...] = ()
 
     def setup_env(self, context: AgentContext) -> None:
-        """Sends the context of a run to the ADS, and declares the columns of its log.
+        """Sends the context of a run to the ADS, and prepares the log and images that it wants.
 
         Raises:
             AgentError: The ADS failed, died, hung or answered garbage.
@@ -52,14 +56,21 @@ class RemoteAgent:
         try:
             reply = self._host.connection.setup(request, timeout)
             self._columns = _columns(reply.log_names)
+            wanted = requested_rasters(reply)
         except (grpc.RpcError, AgentError) as error:
             raise self._handle_failure("SetupEnv", timeout, error) from error
         self._log.declare(*self._columns)
         self._write(reply.text)
+        self._rasters = tuple(
+            (context.raster(settings), np.zeros(settings.shape, dtype=np.uint8))
+            for settings in wanted
+        )
 
     def run_step(self, observation: Observation) -> Control:
         """Requests a control; raises as :meth:`setup_env`."""
-        request, timeout = step_request(observation, self._run), self._deadlines.step
+        images = [raster.draw(observation, out).tobytes() for raster, out in self._rasters]
+        request = step_request(observation, self._run, images)
+        timeout = self._deadlines.step
         try:
             reply = self._host.connection.step(request, timeout)
             self._record(reply)

@@ -31,7 +31,7 @@ class Description(_message.Message):
     def __init__(self, protocol: _Optional[int] = ..., name: _Optional[str] = ...) -> None: ...
 
 class SetupRequest(_message.Message):
-    __slots__ = ("protocol", "run", "ego_id", "vehicle", "route", "lanes", "step_length", "friction", "seed", "parameters_json")
+    __slots__ = ("protocol", "run", "ego_id", "vehicle", "route", "lanes", "step_length", "friction", "seed", "parameters_json", "raster_channels")
     PROTOCOL_FIELD_NUMBER: _ClassVar[int]
     RUN_FIELD_NUMBER: _ClassVar[int]
     EGO_ID_FIELD_NUMBER: _ClassVar[int]
@@ -42,6 +42,7 @@ class SetupRequest(_message.Message):
     FRICTION_FIELD_NUMBER: _ClassVar[int]
     SEED_FIELD_NUMBER: _ClassVar[int]
     PARAMETERS_JSON_FIELD_NUMBER: _ClassVar[int]
+    RASTER_CHANNELS_FIELD_NUMBER: _ClassVar[int]
     protocol: int
     run: str
     ego_id: str
@@ -52,15 +53,36 @@ class SetupRequest(_message.Message):
     friction: float
     seed: int
     parameters_json: str
-    def __init__(self, protocol: _Optional[int] = ..., run: _Optional[str] = ..., ego_id: _Optional[str] = ..., vehicle: _Optional[_Union[Vehicle, _Mapping]] = ..., route: _Optional[_Union[Route, _Mapping]] = ..., lanes: _Optional[_Iterable[_Union[Lane, _Mapping]]] = ..., step_length: _Optional[float] = ..., friction: _Optional[float] = ..., seed: _Optional[int] = ..., parameters_json: _Optional[str] = ...) -> None: ...
+    raster_channels: _containers.RepeatedScalarFieldContainer[str]
+    def __init__(self, protocol: _Optional[int] = ..., run: _Optional[str] = ..., ego_id: _Optional[str] = ..., vehicle: _Optional[_Union[Vehicle, _Mapping]] = ..., route: _Optional[_Union[Route, _Mapping]] = ..., lanes: _Optional[_Iterable[_Union[Lane, _Mapping]]] = ..., step_length: _Optional[float] = ..., friction: _Optional[float] = ..., seed: _Optional[int] = ..., parameters_json: _Optional[str] = ..., raster_channels: _Optional[_Iterable[str]] = ...) -> None: ...
 
 class SetupReply(_message.Message):
-    __slots__ = ("log_names", "text")
+    __slots__ = ("log_names", "text", "rasters")
     LOG_NAMES_FIELD_NUMBER: _ClassVar[int]
     TEXT_FIELD_NUMBER: _ClassVar[int]
+    RASTERS_FIELD_NUMBER: _ClassVar[int]
     log_names: _containers.RepeatedScalarFieldContainer[str]
     text: str
-    def __init__(self, log_names: _Optional[_Iterable[str]] = ..., text: _Optional[str] = ...) -> None: ...
+    rasters: _containers.RepeatedCompositeFieldContainer[RasterRequest]
+    def __init__(self, log_names: _Optional[_Iterable[str]] = ..., text: _Optional[str] = ..., rasters: _Optional[_Iterable[_Union[RasterRequest, _Mapping]]] = ...) -> None: ...
+
+class RasterRequest(_message.Message):
+    __slots__ = ("height", "width", "metres_per_pixel", "ego_from_top", "ego_from_left", "channels", "history")
+    HEIGHT_FIELD_NUMBER: _ClassVar[int]
+    WIDTH_FIELD_NUMBER: _ClassVar[int]
+    METRES_PER_PIXEL_FIELD_NUMBER: _ClassVar[int]
+    EGO_FROM_TOP_FIELD_NUMBER: _ClassVar[int]
+    EGO_FROM_LEFT_FIELD_NUMBER: _ClassVar[int]
+    CHANNELS_FIELD_NUMBER: _ClassVar[int]
+    HISTORY_FIELD_NUMBER: _ClassVar[int]
+    height: int
+    width: int
+    metres_per_pixel: float
+    ego_from_top: float
+    ego_from_left: float
+    channels: _containers.RepeatedScalarFieldContainer[str]
+    history: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, height: _Optional[int] = ..., width: _Optional[int] = ..., metres_per_pixel: _Optional[float] = ..., ego_from_top: _Optional[float] = ..., ego_from_left: _Optional[float] = ..., channels: _Optional[_Iterable[str]] = ..., history: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class Vehicle(_message.Message):
     __slots__ = ("model", "length", "width", "wheelbase", "mass", "max_acceleration", "max_deceleration", "max_steer", "max_speed")
@@ -141,7 +163,7 @@ class Lane(_message.Message):
     def __init__(self, id: _Optional[int] = ..., line: _Optional[_Iterable[float]] = ..., width: _Optional[float] = ..., speed_limit: _Optional[float] = ..., successors: _Optional[_Iterable[int]] = ..., left: _Optional[int] = ..., right: _Optional[int] = ..., may_change_left: bool = ..., may_change_right: bool = ..., in_junction: bool = ...) -> None: ...
 
 class StepRequest(_message.Message):
-    __slots__ = ("run", "time", "step", "ego", "speed", "acceleration", "steer", "route_s", "route_lateral", "objects", "object_sizes", "object_kinds", "object_ids", "light", "light_protected", "light_distance", "speed_limit")
+    __slots__ = ("run", "time", "step", "ego", "speed", "acceleration", "steer", "route_s", "route_lateral", "objects", "object_sizes", "object_kinds", "object_ids", "light", "light_protected", "light_distance", "speed_limit", "rasters")
     RUN_FIELD_NUMBER: _ClassVar[int]
     TIME_FIELD_NUMBER: _ClassVar[int]
     STEP_FIELD_NUMBER: _ClassVar[int]
@@ -159,6 +181,7 @@ class StepRequest(_message.Message):
     LIGHT_PROTECTED_FIELD_NUMBER: _ClassVar[int]
     LIGHT_DISTANCE_FIELD_NUMBER: _ClassVar[int]
     SPEED_LIMIT_FIELD_NUMBER: _ClassVar[int]
+    RASTERS_FIELD_NUMBER: _ClassVar[int]
     run: str
     time: float
     step: int
@@ -176,7 +199,8 @@ class StepRequest(_message.Message):
     light_protected: bool
     light_distance: float
     speed_limit: float
-    def __init__(self, run: _Optional[str] = ..., time: _Optional[float] = ..., step: _Optional[int] = ..., ego: _Optional[_Iterable[float]] = ..., speed: _Optional[float] = ..., acceleration: _Optional[float] = ..., steer: _Optional[float] = ..., route_s: _Optional[float] = ..., route_lateral: _Optional[float] = ..., objects: _Optional[_Iterable[float]] = ..., object_sizes: _Optional[_Iterable[float]] = ..., object_kinds: _Optional[_Iterable[int]] = ..., object_ids: _Optional[_Iterable[int]] = ..., light: _Optional[_Union[Light, str]] = ..., light_protected: bool = ..., light_distance: _Optional[float] = ..., speed_limit: _Optional[float] = ...) -> None: ...
+    rasters: _containers.RepeatedScalarFieldContainer[bytes]
+    def __init__(self, run: _Optional[str] = ..., time: _Optional[float] = ..., step: _Optional[int] = ..., ego: _Optional[_Iterable[float]] = ..., speed: _Optional[float] = ..., acceleration: _Optional[float] = ..., steer: _Optional[float] = ..., route_s: _Optional[float] = ..., route_lateral: _Optional[float] = ..., objects: _Optional[_Iterable[float]] = ..., object_sizes: _Optional[_Iterable[float]] = ..., object_kinds: _Optional[_Iterable[int]] = ..., object_ids: _Optional[_Iterable[int]] = ..., light: _Optional[_Union[Light, str]] = ..., light_protected: bool = ..., light_distance: _Optional[float] = ..., speed_limit: _Optional[float] = ..., rasters: _Optional[_Iterable[bytes]] = ...) -> None: ...
 
 class StepReply(_message.Message):
     __slots__ = ("pedals", "acceleration", "pose", "trajectory", "values", "text", "plan")

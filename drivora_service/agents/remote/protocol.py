@@ -11,6 +11,9 @@ ADDRESS_VARIABLE = "DRIVORA_AGENT_ADDRESS"
 MESSAGE_BYTES = 64 << 20
 """Maximum size of a message."""
 
+MAX_RASTERS = 4
+"""Maximum number of images at each step."""
+
 _SERVICE = "/drivora.agents.v1.Agent/"
 DESCRIBE, SETUP_ENV, RUN_STEP = (_SERVICE + name for name in ("Describe", "SetupEnv", "RunStep"))
 """Full names of the calls."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 
 import numpy as np
@@ -18,12 +18,14 @@ from drivora_service.agents.interface import (
     PoseControl,
     TrajectoryControl,
 )
+from drivora_service.agents.raster.raster_route import signal_lane
+from drivora_service.agents.raster.raster_settings import Channel, RasterSettings
 from drivora_service.agents.remote import agent_pb2 as pb
-from drivora_service.agents.remote.protocol import VERSION
+from drivora_service.agents.remote.protocol import MAX_RASTERS, VERSION
 from drivora_service.errors import AgentError
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.road_network import Lane, RoadNetwork
-from drivora_service.networks.routes.lane_route import LaneRoute, RouteSignal
+from drivora_service.networks.routes.lane_route import LaneRoute
 from drivora_service.scenario.models.actor_models import ActorModel
 
 SURROUNDINGS = 100.0
@@ -46,11 +48,49 @@ def setup_request(context: AgentContext, run: str) -> pb.SetupRequest:
         friction=context.friction,
         seed=context.seed,
         parameters_json=json.dumps(dict(context.parameters), sort_keys=True),
+        raster_channels=[channel.label for channel in Channel],
     )
 
 
-def step_request(observation: Observation, run: str) -> pb.StepRequest:
-    """Returns the message of a step."""
+def requested_rasters(reply: pb.SetupReply) -> tuple[RasterSettings, ...]:
+    """Returns the images that an ADS requests.
+
+    Raises:
+        AgentError: It requests too many, or one that cannot be drawn.
+    """
+    if len(reply.rasters) > MAX_RASTERS:
+        raise invalid(
+            f"the ADS requests {len(reply.rasters)} rasters; allowed: at most {MAX_RASTERS}"
+        )
+    return tuple(map(_raster_settings, reply.rasters))
+
+
+def _raster_settings(message: pb.RasterRequest) -> RasterSettings:
+    known = {channel.label: channel for channel in Channel}
+    for name in message.channels:
+        if name not in known:
+            raise invalid(
+                f"the ADS requests a raster with the channel {name[:100]!r}; allowed: "
+                f"{', '.join(known)}"
+            )
+    try:
+        return RasterSettings(
+            height=message.height,
+            width=message.width,
+            metres_per_pixel=message.metres_per_pixel,
+            ego_from_top=message.ego_from_top,
+            ego_from_left=message.ego_from_left,
+            channels=tuple(known[name] for name in message.channels),
+            history=tuple(message.history),
+        )
+    except AgentError as error:
+        raise invalid(f"the ADS requests a raster that cannot be drawn: {error}") from error
+
+
+def step_request(
+    observation: Observation, run: str, rasters: Iterable[bytes] = ()
+) -> pb.StepRequest:
+    """Returns the message of a step, with the images that the ADS requested."""
     return pb.StepRequest(
         run=run,
         time=observation.time,
@@ -69,6 +109,7 @@ def step_request(observation: Observation, run: str) -> pb.StepRequest:
         light_protected=observation.light_protected,
         light_distance=observation.light_distance,
         speed_limit=observation.speed_limit,
+        rasters=rasters,
     )
 
 
@@ -141,20 +182,10 @@ def _route(network: RoadNetwork, route: LaneRoute) -> pb.Route:
         widths=widths[route.point_lanes].tolist(),
         lane_ids=route.point_lanes.tolist(),
         signals=[
-            pb.Signal(s=signal.s, lane_id=_lane_of(network, route, signal))
+            pb.Signal(s=signal.s, lane_id=signal_lane(network, route, signal))
             for signal in route.signals
         ],
         runs=[pb.LaneRun(lane_ids=run.lanes) for run in route.runs],
-    )
-
-
-def _lane_of(network: RoadNetwork, route: LaneRoute, signal: RouteSignal) -> int:
-    """Returns the lane whose end a signal controls."""
-    controls = (signal.traffic_light, signal.link_index)
-    return next(
-        lane
-        for lane in route.runs[signal.run].lanes
-        if any((c.traffic_light, c.link_index) == controls for c in network.lanes[lane].connections)
     )
 
 

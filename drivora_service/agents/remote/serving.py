@@ -19,6 +19,7 @@ from drivora_service.agents.remote import agent_pb2 as pb
 from drivora_service.agents.remote.adapter_messages import (
     context_view,
     observation_view,
+    raster_request,
     step_reply,
 )
 from drivora_service.agents.remote.agent_pb2_grpc import (
@@ -26,6 +27,7 @@ from drivora_service.agents.remote.agent_pb2_grpc import (
     add_AgentServicer_to_server,
 )
 from drivora_service.agents.remote.protocol import ADDRESS_VARIABLE, MESSAGE_BYTES, VERSION
+from drivora_service.agents.remote.requested_rasters import RequestedRasters
 from drivora_service.agents.remote.views import Adapter
 
 _DETAILS = 3000
@@ -71,6 +73,7 @@ class _Service(AgentServicer):
     def __init__(self, adapter: Adapter, name: str) -> None:
         self._adapter, self._name = adapter, name
         self._log = AgentLog()
+        self._rasters = RequestedRasters()
         self._run = ""
 
     def Describe(
@@ -85,11 +88,16 @@ class _Service(AgentServicer):
                 f"the adapter speaks version {VERSION} of the protocol, Drivora {request.protocol}",
             )
         self._run, self._log = request.run, AgentLog()
+        self._rasters = rasters = RequestedRasters(request.raster_channels)
         try:
-            self._adapter.setup_env(context_view(request, self._log))
+            self._adapter.setup_env(context_view(request, self._log, rasters))
         except Exception as error:
             _abort(context, error)
-        return pb.SetupReply(log_names=self._log.names, text=self._texts())
+        return pb.SetupReply(
+            log_names=self._log.names,
+            text=self._texts(),
+            rasters=[raster_request(settings) for settings in rasters.close()],
+        )
 
     def RunStep(self, request: pb.StepRequest, context: grpc.ServicerContext) -> pb.StepReply:
         if request.run != self._run:
@@ -103,6 +111,7 @@ class _Service(AgentServicer):
         log.events.clear()
         log.plans.clear()
         log.row.fill(float("nan"))
+        self._rasters.receive(request.step, request.rasters)
         try:
             return step_reply(self._adapter.run_step(observation_view(request)), log)
         except Exception as error:

@@ -7,11 +7,13 @@ representation need not be understood or loaded on the other side.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from drivora_service.agents.interface import Control, Observation
 from drivora_service.agents.log import AgentLog
+from drivora_service.agents.raster.raster_settings import Raster, RasterSettings
+from drivora_service.agents.remote.requested_rasters import RequestedRasters
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
 
 
@@ -110,6 +112,7 @@ class ContextView:
         seed: Seed for all random draws.
         parameters: Parameters from the document.
         log: Log of the ADS, whose columns are declared in ``setup_env``.
+        rasters: Images that the ADS requests by :meth:`raster`.
     """
 
     ego_id: str
@@ -121,6 +124,19 @@ class ContextView:
     seed: int
     parameters: Mapping[str, Any]
     log: AgentLog
+    rasters: RequestedRasters = field(default_factory=RequestedRasters, repr=False)
+
+    def raster(self, settings: RasterSettings | None = None) -> Raster:
+        """Returns bird's-eye images of this run, drawn by Drivora; call it in ``setup_env``.
+
+        Args:
+            settings: As of ``AgentContext.raster``.
+
+        Raises:
+            AgentError: The call comes after ``setup_env``, there are too many, or this version of
+                Drivora cannot draw them.
+        """
+        return self.rasters.request(settings or RasterSettings())
 
 
 class Adapter(Protocol):

@@ -1,0 +1,1 @@
+"""Bird's-eye rasters: images of the surroundings for agents that take images."""
