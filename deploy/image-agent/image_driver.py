@@ -15,9 +15,9 @@ from drivora_service.agents.interface import AccelerationControl, Observation
 from drivora_service.agents.raster.raster_settings import LIMIT_STEP, Channel, RasterSettings
 
 SETTINGS = RasterSettings(
-    height=192,
-    width=192,
-    metres_per_pixel=0.3,
+    height=144,
+    width=128,
+    metres_per_pixel=0.4,
     ego_from_top=0.8,
     channels=(
         Channel.ROUTE,
@@ -36,6 +36,9 @@ ROUTE, LIMIT, RED, YELLOW, STOP_SIGNS = map(
 )
 OTHERS = slice(SETTINGS.index(Channel.VEHICLES), SETTINGS.index(Channel.OBSTACLES) + 1)
 AHEAD, LEFT, SCALE = SETTINGS.rows_ahead, SETTINGS.columns_left, SETTINGS.metres_per_pixel
+REACH = math.ceil(2.2 / SCALE)
+"""Pixels; in this radius, the middle of the route is searched."""
+DISC = np.hypot(*np.mgrid[-REACH : REACH + 1, -REACH : REACH + 1]) <= REACH
 
 WHEELBASE = 2.9
 """Metres."""
@@ -51,7 +54,7 @@ SIDE_ACCELERATION = 1.2
 """m/s² in bends."""
 GAP = 3.0
 """Metres to another actor at a halt."""
-SMOOTHING, JERK_STEP = 0.2, 0.15
+SMOOTHING, JERK_STEP = 0.2, 0.1
 """Share of the wanted change of acceleration that is made in a step, and its bound in m/s²."""
 
 
@@ -112,30 +115,30 @@ def pixel_of(ahead: float, left: float) -> tuple[int, int]:
     return round((AHEAD[0] - ahead) / SCALE), round((LEFT[0] - left) / SCALE)
 
 
-def places_near(channel: np.ndarray, ahead: float, left: float, radius: float) -> np.ndarray:
-    """Returns the (n, 2) places ahead and to the left of the channel's pixels near a place."""
-    reach = math.ceil(radius / SCALE)
-    row, column = pixel_of(ahead, left)
-    top, side = max(row - reach, 0), max(column - reach, 0)
-    rows, columns = np.nonzero(channel[top : row + reach + 1, side : column + reach + 1])
-    places = np.column_stack((AHEAD[rows + top], LEFT[columns + side]))
-    return places[np.hypot(places[:, 0] - ahead, places[:, 1] - left) <= radius]
-
-
 def find_path(route: np.ndarray) -> np.ndarray:
     """Returns the (n, 2) middle of the route's pixels from the ego on, a point each metre."""
     place, direction = np.zeros(2), np.array([1.0, 0.0])
     path = []
     while len(path) < 45:
-        near = places_near(route, *(place + STRIDE * direction), 2.2)
-        if len(near) < 10:
+        row, column = pixel_of(*(place + STRIDE * direction))
+        # The route's pixels in a disc around the place that is a stride further on.
+        top, side = max(row - REACH, 0), max(column - REACH, 0)
+        disc = route[top : row + REACH + 1, side : column + REACH + 1]
+        if disc.shape != DISC.shape:
             break
-        step = near.mean(axis=0) - place
-        length = math.hypot(*step)
+        disc = disc * DISC
+        in_rows, in_columns = disc.sum(axis=1), disc.sum(axis=0)
+        count = in_rows.sum()
+        if count < 10:
+            break
+        middle = np.array(
+            [in_rows @ AHEAD[top : row + REACH + 1], in_columns @ LEFT[side : column + REACH + 1]]
+        )
+        step = middle / count - place
         # At the end of the pixels, their middle stays behind.
-        if step[0] * direction[0] + step[1] * direction[1] < 0.3 * STRIDE:
+        if step @ direction < 0.3 * STRIDE:
             break
-        direction = step / length
+        direction = step / math.hypot(*step)
         place = place + STRIDE * direction
         path.append(place)
     return np.array(path).reshape(-1, 2)
@@ -149,17 +152,19 @@ def distance_along(path: np.ndarray, channel: np.ndarray, radius: float) -> floa
         channel: (height, width) of the image.
         radius: Metres beside the path that count as on it.
     """
-    if not channel.any():
+    rows, columns = np.nonzero(channel)
+    if not len(rows) or not len(path):
         return math.inf
-    before = np.zeros(2)
-    for number, place in enumerate(path, start=1):
-        near = places_near(channel, *place, radius)
-        if len(near):
-            ahead, left = (place - before) / STRIDE
-            beyond = (near[:, 0] - place[0]) * ahead + (near[:, 1] - place[1]) * left
-            return STRIDE * number + float(beyond.min()) - HALF_LENGTH
-        before = place
-    return math.inf
+    there = np.column_stack((AHEAD[rows], LEFT[columns]))[:, None] - path
+    gaps = np.hypot(there[..., 0], there[..., 1])
+    nearest = gaps.argmin(axis=1)
+    on_path = gaps.min(axis=1) <= radius
+    if not on_path.any():
+        return math.inf
+    directions = np.diff(path, axis=0, prepend=np.zeros((1, 2)))[nearest] / STRIDE
+    beyond = (there[np.arange(len(nearest)), nearest] * directions).sum(axis=1)
+    along = STRIDE * (nearest + 1) + beyond - HALF_LENGTH
+    return float(along[on_path].min())
 
 
 def halting_speed(free: float) -> float:
