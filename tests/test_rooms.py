@@ -44,7 +44,9 @@ def _folders() -> dict[str, str]:
     for init in sorted(_PACKAGE.glob("*/**/__init__.py")):
         folder = init.parent.relative_to(_PACKAGE)
         path = folder.as_posix()
-        one_plugin = re.match(r"agents/(?!(adapters|imitation|remote)$)|search/testers/", path)
+        one_plugin = re.match(
+            r"agents/(?!(adapters|imitation|raster|remote)$)|search/testers/", path
+        )
         if len(folder.parts) > 1 and not one_plugin and path != "store/migrations/versions":
             docstring = ast.get_docstring(ast.parse(init.read_text(encoding="utf-8")))
             assert docstring, f"{path} does not say what it holds"

@@ -1,1 +1,1 @@
-"""Bird's-eye rasters: images of the surroundings for agents that take images."""
+"""Bird's-eye images for agents that take images."""

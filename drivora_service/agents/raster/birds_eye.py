@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from drivora_service.agents.interface import AgentContext, Observation
 from drivora_service.agents.raster.perceived_boxes import PerceivedBoxes
-from drivora_service.agents.raster.polygon_filling import Frame, Scratch, frame_of
+from drivora_service.agents.raster.polygon_filling import Frame, Scratch
 from drivora_service.agents.raster.raster_drawing import draw_boxes, draw_map, draw_route
 from drivora_service.agents.raster.raster_map import raster_map
 from drivora_service.agents.raster.raster_route import route_strip
@@ -46,6 +48,7 @@ class BirdsEyeRaster:
         self._scratch = Scratch(
             marks=np.zeros((height, width + 1), dtype=np.uint8),
             spans=np.tile(np.array([width + 1, -1], dtype=np.int32), (height, 1)),
+            corners=np.zeros((4, 2)),
             area_turns=np.zeros(len(self._map.circles), dtype=np.int64),
             line_turns=np.zeros(len(self._map.lines), dtype=np.int64),
         )
@@ -72,11 +75,16 @@ class BirdsEyeRaster:
     def _paint(self, out: ByteArray, observation: Observation) -> None:
         settings = self._settings
         self._turn += 1
-        frame: Frame = frame_of(
-            observation.ego,
-            1.0 / settings.metres_per_pixel,
-            settings.ego_from_top * settings.height,
-            settings.ego_from_left * settings.width,
+        x, y, yaw = observation.ego[Col.X : Col.YAW + 1].tolist()
+        frame = Frame(
+            x=x,
+            y=y,
+            z=float(observation.ego[Col.Z]),
+            cos=math.cos(yaw),
+            sin=math.sin(yaw),
+            scale=1.0 / settings.metres_per_pixel,
+            row=settings.ego_from_top * settings.height,
+            column=settings.ego_from_left * settings.width,
         )
         draw_map(out, self._planes, frame, self._map, self._scratch, self._turn)
         line_s = observation.route_s + self._half_length + observation.light_distance

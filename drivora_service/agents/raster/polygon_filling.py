@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 from drivora_service.compilation import compiled
 from drivora_service.geometry.array_shapes import ByteArray, FloatArray, Int32Array, IntArray
-from drivora_service.observations.trace import Col
 
 FULL = 255
 LINE_WIDTH = 0.15
@@ -50,30 +49,16 @@ class Scratch(NamedTuple):
     Attributes:
         marks: (height, width + 1) 1 where "inside" changes.
         spans: (height, 2) first and last column with a mark; (width + 1, -1) without one.
+        corners: (4, 2) row and column of the corners of a quadrangle.
         area_turns: (n,) number of the image in which each area was drawn last.
         line_turns: (m,) the same of lines.
     """
 
     marks: ByteArray
     spans: Int32Array
+    corners: FloatArray
     area_turns: IntArray
     line_turns: IntArray
-
-
-@compiled
-def frame_of(ego: FloatArray, scale: float, row: float, column: float) -> Frame:
-    """Returns the frame of an image around an ego.
-
-    Args:
-        ego: (9,) the ego's state, columns ``Col``.
-        scale: Pixels a metre.
-        row: Of the ego's centre in the image.
-        column: Of the ego's centre in the image.
-    """
-    return Frame(
-        ego[Col.X], ego[Col.Y], ego[Col.Z], math.cos(ego[Col.YAW]), math.sin(ego[Col.YAW]),
-        scale, row, column,
-    )  # fmt: skip
 
 
 @compiled
@@ -89,16 +74,25 @@ def column_at(frame: Frame, x: float, y: float) -> float:
 
 
 @compiled
-def mark_edge(scratch: Scratch, r0: float, c0: float, r1: float, c1: float) -> None:
+def mark_edge(
+    marks: ByteArray, spans: Int32Array, r0: float, c0: float, r1: float, c1: float
+) -> None:
     """Marks where an edge between two places crosses the middles of rows.
 
     The result does not depend on the edge's direction.
+
+    Args:
+        marks: As in ``Scratch``.
+        spans: As in ``Scratch``.
+        r0: Row of one end, in pixels.
+        c0: Its column.
+        r1: Row of the other end.
+        c1: Its column.
     """
     if r0 == r1:
         return
     if r0 > r1:
         r0, c0, r1, c1 = r1, c1, r0, c0
-    marks, spans = scratch.marks, scratch.spans
     height, width = marks.shape[0], marks.shape[1] - 1
     if r1 <= 0.0 or r0 >= height:
         return
@@ -117,20 +111,27 @@ def mark_edge(scratch: Scratch, r0: float, c0: float, r1: float, c1: float) -> N
 
 @compiled
 def fill_marked(
-    out: ByteArray, scratch: Scratch, low: float, high: float, plane: int, limits: int, limit: int
+    out: ByteArray,
+    marks: ByteArray,
+    spans: Int32Array,
+    low: float,
+    high: float,
+    plane: int,
+    limits: int,
+    limit: int,
 ) -> None:
     """Fills what is inside of the marked edges, and removes the marks.
 
     Args:
         out: (channels, height, width).
-        scratch: With the marks.
+        marks: As in ``Scratch``.
+        spans: As in ``Scratch``.
         low: Least row of the edges' ends.
         high: Greatest row.
         plane: Channel that is set; -1: none.
         limits: Channel that is raised to ``limit``; -1: none.
         limit: Speed limit as a value of the channel.
     """
-    marks, spans = scratch.marks, scratch.spans
     height, width = marks.shape[0], marks.shape[1] - 1
     if high <= 0.0 or low >= height:
         return
@@ -149,39 +150,48 @@ def fill_marked(
 
 
 @compiled
-def fill_quad(
-    out: ByteArray,
-    scratch: Scratch,
-    plane: int,
-    r0: float,
-    c0: float,
-    r1: float,
-    c1: float,
-    r2: float,
-    c2: float,
-    r3: float,
-    c3: float,
+def fill_corners(
+    out: ByteArray, marks: ByteArray, spans: Int32Array, corners: FloatArray, plane: int
 ) -> None:
-    """Sets the pixels of a quadrangle in one channel."""
-    mark_edge(scratch, r0, c0, r1, c1)
-    mark_edge(scratch, r1, c1, r2, c2)
-    mark_edge(scratch, r2, c2, r3, c3)
-    mark_edge(scratch, r3, c3, r0, c0)
-    low, high = min(min(r0, r1), min(r2, r3)), max(max(r0, r1), max(r2, r3))
-    fill_marked(out, scratch, low, high, plane, -1, 0)
+    """Sets the pixels of a quadrangle, (4, 2) rows and columns, in one channel."""
+    low, high = corners[3, 0], corners[3, 0]
+    # One place of call: the compiler copies what it calls.
+    for k in range(4):
+        r, c, before = corners[k, 0], corners[k, 1], (k + 3) % 4
+        mark_edge(marks, spans, corners[before, 0], corners[before, 1], r, c)
+        low, high = min(low, r), max(high, r)
+    fill_marked(out, marks, spans, low, high, plane, -1, 0)
 
 
 @compiled
-def fill_line(out: ByteArray, scratch: Scratch, frame: Frame, plane: int, ends: FloatArray) -> None:
-    """Sets the pixels of a line, (4,) x and y of both ends, in one channel."""
-    r0, c0 = row_at(frame, ends[0], ends[1]), column_at(frame, ends[0], ends[1])
-    r1, c1 = row_at(frame, ends[2], ends[3]), column_at(frame, ends[2], ends[3])
+def set_corner(corners: FloatArray, frame: Frame, k: int, x: float, y: float) -> None:
+    """Sets the corner ``k`` of a quadrangle to a place in the plane, metres."""
+    corners[k, 0] = row_at(frame, x, y)
+    corners[k, 1] = column_at(frame, x, y)
+
+
+@compiled
+def set_line(corners: FloatArray, frame: Frame, lines: FloatArray, i: int) -> bool:
+    """Sets the corners of a quadrangle to the borders of a line.
+
+    Args:
+        corners: (4, 2) filled.
+        frame: The image's place.
+        lines: (n, 4) x and y of both ends.
+        i: Which of them.
+
+    Returns:
+        Whether it has a length.
+    """
+    r0, c0 = row_at(frame, lines[i, 0], lines[i, 1]), column_at(frame, lines[i, 0], lines[i, 1])
+    r1, c1 = row_at(frame, lines[i, 2], lines[i, 3]), column_at(frame, lines[i, 2], lines[i, 3])
     length = math.hypot(r1 - r0, c1 - c0)
     if length == 0.0:
-        return
+        return False
     half = max(0.5 * LINE_WIDTH * frame.scale, 0.5)
     dr, dc = -half * (c1 - c0) / length, half * (r1 - r0) / length
-    fill_quad(
-        out, scratch, plane,
-        r0 + dr, c0 + dc, r1 + dr, c1 + dc, r1 - dr, c1 - dc, r0 - dr, c0 - dc,
-    )  # fmt: skip
+    corners[0, 0], corners[0, 1] = r0 + dr, c0 + dc
+    corners[1, 0], corners[1, 1] = r1 + dr, c1 + dc
+    corners[2, 0], corners[2, 1] = r1 - dr, c1 - dc
+    corners[3, 0], corners[3, 1] = r0 - dr, c0 - dc
+    return True

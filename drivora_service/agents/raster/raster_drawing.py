@@ -13,16 +13,17 @@ from drivora_service.agents.raster.polygon_filling import (
     Frame,
     Scratch,
     column_at,
-    fill_line,
+    fill_corners,
     fill_marked,
-    fill_quad,
     mark_edge,
     row_at,
+    set_corner,
+    set_line,
 )
 from drivora_service.agents.raster.raster_map import CELL, RasterMap
 from drivora_service.agents.raster.raster_settings import Channel
 from drivora_service.compilation import compiled
-from drivora_service.geometry.array_shapes import ByteArray, FloatArray, IntArray
+from drivora_service.geometry.array_shapes import ByteArray, FloatArray, Int32Array, IntArray
 from drivora_service.observations.trace import LEVEL_GAP, Light
 
 _ROUTE_REACH = 1.5
@@ -55,17 +56,15 @@ class Strip(NamedTuple):
     """The route as a strip of quadrangles.
 
     Attributes:
-        left: (n, 2) left border, metres.
-        right: (n, 2) right border, metres.
+        quads: (n - 1, 4, 2) corners of the quadrangles between two points, metres.
         arc: (n,) distance along the route, metres.
-        heights: (n,) metres.
+        heights: (n - 1, 2) lowest and highest height between two points, metres.
         signal_arcs: (k,) distances of the signals' stop lines along the route, metres.
         signal_lines: (k, 4) these lines, x and y of both ends.
-        signal_heights: (k,) metres.
+        signal_heights: (k, 2) lowest and highest height of each line, metres.
     """
 
-    left: FloatArray
-    right: FloatArray
+    quads: FloatArray
     arc: FloatArray
     heights: FloatArray
     signal_arcs: FloatArray
@@ -74,8 +73,16 @@ class Strip(NamedTuple):
 
 
 @compiled
-def is_level(z: float, low: float, high: float) -> bool:
-    """Returns whether a range of heights is on the level of an ego at height ``z``."""
+def is_level(z: float, heights: FloatArray, i: int) -> bool:
+    """Returns whether an item is on the level of an ego at height ``z``.
+
+    Args:
+        z: Metres.
+        heights: (n, 2) lowest and highest height of items, metres.
+        i: Which of them.
+    """
+    low: float = heights[i, 0]
+    high: float = heights[i, 1]
     return low - z <= LEVEL_GAP and z - high <= LEVEL_GAP
 
 
@@ -118,57 +125,63 @@ def draw_map(
     row_1 = min(math.floor((north + margin) / CELL), ground.rows - 1)
 
     drivable, limits = planes[Channel.DRIVABLE], planes[Channel.SPEED_LIMIT]
-    has_lines = planes[Channel.CENTRE_LINES : Channel.GIVE_WAY_SIGNS + 1].max() >= 0
+    marks, spans, corners = scratch.marks, scratch.spans, scratch.corners
+    area_turns, line_turns = scratch.area_turns, scratch.line_turns
+    areas, lines = ground.area_grid, ground.line_grid
     for row in range(row_0, row_1 + 1):
         for column in range(column_0, column_1 + 1):
             cell = row * ground.columns + column
-            if drivable >= 0 or limits >= 0:
-                grid = ground.area_grid
-                for i in range(grid.starts[cell], grid.starts[cell + 1]):
-                    area = grid.items[i]
-                    if scratch.area_turns[area] != turn:
-                        scratch.area_turns[area] = turn
-                        draw_area(out, scratch, frame, ground, area, drivable, limits)
-            if has_lines:
-                grid = ground.line_grid
-                for i in range(grid.starts[cell], grid.starts[cell + 1]):
-                    line = grid.items[i]
-                    plane = planes[ground.line_channels[line]]
-                    if plane < 0 or scratch.line_turns[line] == turn:
-                        continue
-                    scratch.line_turns[line] = turn
-                    heights = ground.line_heights[line]
-                    if is_level(frame.z, heights[0], heights[1]):
-                        fill_line(out, scratch, frame, plane, ground.lines[line])
+            for i in range(areas.starts[cell], areas.starts[cell + 1]):
+                area = areas.items[i]
+                if area_turns[area] == turn or not (drivable >= 0 or limits >= 0):
+                    continue
+                area_turns[area] = turn
+                # What is on the ego's level and may be in the image.
+                reach = ground.circles[area, 2] * frame.scale
+                r = row_at(frame, ground.circles[area, 0], ground.circles[area, 1])
+                c = column_at(frame, ground.circles[area, 0], ground.circles[area, 1])
+                is_beside = r < -reach or c < -reach or r > height + reach or c > width + reach
+                if is_beside or not is_level(frame.z, ground.area_heights, area):
+                    continue
+                first, end = ground.area_starts[area], ground.area_starts[area + 1]
+                limit = int(ground.limits[area])
+                fill_area(
+                    out, marks, spans, frame, ground.edges, first, end, drivable,
+                    limits if limit > 0 else -1, limit,
+                )  # fmt: skip
+            for i in range(lines.starts[cell], lines.starts[cell + 1]):
+                line = lines.items[i]
+                plane = planes[ground.line_channels[line]]
+                if plane < 0 or line_turns[line] == turn:
+                    continue
+                line_turns[line] = turn
+                if not is_level(frame.z, ground.line_heights, line):
+                    continue
+                if set_line(corners, frame, ground.lines, line):
+                    fill_corners(out, marks, spans, corners, plane)
 
 
 @compiled
-def draw_area(
+def fill_area(
     out: ByteArray,
-    scratch: Scratch,
+    marks: ByteArray,
+    spans: Int32Array,
     frame: Frame,
-    ground: RasterMap,
-    area: int,
+    edges: FloatArray,
+    first: int,
+    end: int,
     drivable: int,
     limits: int,
+    limit: int,
 ) -> None:
-    """Draws one area if it is on the ego's level and may be in the image."""
-    if not is_level(frame.z, ground.area_heights[area, 0], ground.area_heights[area, 1]):
-        return
-    x, y, radius = ground.circles[area, 0], ground.circles[area, 1], ground.circles[area, 2]
-    reach = radius * frame.scale
-    r, c = row_at(frame, x, y), column_at(frame, x, y)
-    if r < -reach or c < -reach or r > out.shape[1] + reach or c > out.shape[2] + reach:
-        return
+    """Sets the pixels inside of some edges; see ``fill_marked``."""
     low, high = np.inf, -np.inf
-    for e in range(ground.area_starts[area], ground.area_starts[area + 1]):
-        edge = ground.edges[e]
-        r0, c0 = row_at(frame, edge[0], edge[1]), column_at(frame, edge[0], edge[1])
-        r1, c1 = row_at(frame, edge[2], edge[3]), column_at(frame, edge[2], edge[3])
-        mark_edge(scratch, r0, c0, r1, c1)
+    for e in range(first, end):
+        r0, c0 = row_at(frame, edges[e, 0], edges[e, 1]), column_at(frame, edges[e, 0], edges[e, 1])
+        r1, c1 = row_at(frame, edges[e, 2], edges[e, 3]), column_at(frame, edges[e, 2], edges[e, 3])
+        mark_edge(marks, spans, r0, c0, r1, c1)
         low, high = min(low, r0), max(high, r0)
-    limit = int(ground.limits[area])
-    fill_marked(out, scratch, low, high, drivable, limits if limit > 0 else -1, limit)
+    fill_marked(out, marks, spans, low, high, drivable, limits, limit)
 
 
 @compiled
@@ -194,6 +207,7 @@ def draw_route(
         light: State of the next signal, ``Light``.
         line_s: Distance of its stop line along the route, metres; inf without one.
     """
+    marks, spans, corners = scratch.marks, scratch.spans, scratch.corners
     plane = planes[Channel.ROUTE]
     if plane >= 0:
         height, width = out.shape[1], out.shape[2]
@@ -204,20 +218,13 @@ def draw_route(
                 max(frame.row, height - frame.row), max(frame.column, width - frame.column)
             )
         )
-        first = max(int(np.searchsorted(strip.arc, s - reach)) - 1, 0)
-        end = min(int(np.searchsorted(strip.arc, s + reach)), len(strip.arc) - 1)
+        first = max(first_beyond(strip.arc, s - reach) - 1, 0)
+        end = min(first_beyond(strip.arc, s + reach), len(strip.arc) - 1)
         for i in range(first, end):
-            z0, z1 = strip.heights[i], strip.heights[i + 1]
-            if not is_level(frame.z, min(z0, z1), max(z0, z1)):
-                continue
-            a, b, c, d = strip.left[i], strip.left[i + 1], strip.right[i + 1], strip.right[i]
-            fill_quad(
-                out, scratch, plane,
-                row_at(frame, a[0], a[1]), column_at(frame, a[0], a[1]),
-                row_at(frame, b[0], b[1]), column_at(frame, b[0], b[1]),
-                row_at(frame, c[0], c[1]), column_at(frame, c[0], c[1]),
-                row_at(frame, d[0], d[1]), column_at(frame, d[0], d[1]),
-            )  # fmt: skip
+            if is_level(frame.z, strip.heights, i):
+                for k in range(4):
+                    set_corner(corners, frame, k, strip.quads[i, k, 0], strip.quads[i, k, 1])
+                fill_corners(out, marks, spans, corners, plane)
     plane = -1
     if light == Light.RED:
         plane = planes[Channel.RED]
@@ -227,10 +234,26 @@ def draw_route(
         plane = planes[Channel.GREEN]
     if plane < 0 or not line_s < np.inf or not len(strip.signal_arcs):
         return
-    nearest = np.argmin(np.abs(strip.signal_arcs - line_s))
-    z = strip.signal_heights[nearest]
-    if is_level(frame.z, z, z):
-        fill_line(out, scratch, frame, plane, strip.signal_lines[nearest])
+    nearest = 0
+    for i in range(1, len(strip.signal_arcs)):
+        if abs(strip.signal_arcs[i] - line_s) < abs(strip.signal_arcs[nearest] - line_s):
+            nearest = i
+    if is_level(frame.z, strip.signal_heights, nearest):
+        set_line(corners, frame, strip.signal_lines, nearest)
+        fill_corners(out, marks, spans, corners, plane)
+
+
+@compiled
+def first_beyond(arc: FloatArray, s: float) -> int:
+    """Returns the index of the first of ascending numbers that is at least ``s``."""
+    low, high = 0, len(arc)
+    while low < high:
+        middle = (low + high) // 2
+        if arc[middle] < s:
+            low = middle + 1
+        else:
+            high = middle
+    return low
 
 
 @compiled
@@ -252,6 +275,7 @@ def draw_boxes(
         count: Rows that are drawn.
         scratch: Memory.
     """
+    marks, spans, corners = scratch.marks, scratch.spans, scratch.corners
     for i in range(count):
         plane = planes[int(boxes[i, BoxCol.KIND])]
         if plane < 0:
@@ -260,13 +284,11 @@ def draw_boxes(
         cos, sin = math.cos(boxes[i, BoxCol.YAW]), math.sin(boxes[i, BoxCol.YAW])
         half_length, half_width = 0.5 * boxes[i, BoxCol.LENGTH], 0.5 * boxes[i, BoxCol.WIDTH]
         ax, ay, bx, by = half_length * cos, half_length * sin, -half_width * sin, half_width * cos
-        fill_quad(
-            out, scratch, plane,
-            row_at(frame, x + ax + bx, y + ay + by), column_at(frame, x + ax + bx, y + ay + by),
-            row_at(frame, x - ax + bx, y - ay + by), column_at(frame, x - ax + bx, y - ay + by),
-            row_at(frame, x - ax - bx, y - ay - by), column_at(frame, x - ax - bx, y - ay - by),
-            row_at(frame, x + ax - bx, y + ay - by), column_at(frame, x + ax - bx, y + ay - by),
-        )  # fmt: skip
+        set_corner(corners, frame, 0, x + ax + bx, y + ay + by)
+        set_corner(corners, frame, 1, x - ax + bx, y - ay + by)
+        set_corner(corners, frame, 2, x - ax - bx, y - ay - by)
+        set_corner(corners, frame, 3, x + ax - bx, y + ay - by)
+        fill_corners(out, marks, spans, corners, plane)
         r, c = row_at(frame, x, y), column_at(frame, x, y)
         if 0.0 <= r < out.shape[1] and 0.0 <= c < out.shape[2]:
             out[plane, int(r), int(c)] = FULL

@@ -19,7 +19,6 @@ from drivora_service.agents.raster.raster_settings import LIMIT_STEP, Channel
 from drivora_service.geometry.array_shapes import (
     ByteArray,
     FloatArray,
-    Int32Array,
     IntArray,
 )
 from drivora_service.geometry.lines import arc_lengths, offset_line
@@ -51,8 +50,8 @@ class Grid(NamedTuple):
         items: Numbers of items; an item is in every cell that its bounding box meets.
     """
 
-    starts: Int32Array
-    items: Int32Array
+    starts: IntArray
+    items: IntArray
 
 
 class RasterMap(NamedTuple):
@@ -271,6 +270,6 @@ def _grid(boxes: FloatArray, origin: FloatArray, columns: int, rows: int) -> Gri
     cell = row * columns + column
     order = np.lexsort((item, cell))
     return Grid(
-        starts=np.searchsorted(cell[order], np.arange(columns * rows + 1)).astype(np.int32),
-        items=item[order].astype(np.int32),
+        starts=np.searchsorted(cell[order], np.arange(columns * rows + 1)),
+        items=item[order],
     )

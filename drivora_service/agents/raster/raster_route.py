@@ -24,15 +24,16 @@ def route_strip(network: RoadNetwork, route: LaneRoute) -> Strip:
     widths = np.array([lane.width for lane in network.lanes])
     half = 0.5 * np.where(lanes >= 0, widths[np.maximum(lanes, 0)], _USUAL_WIDTH)
     across = half[:, None] * _across(route.line)
+    left, right = route.line + across, route.line - across
+    heights = line_heights(network, route.line, lanes)
     controlled = [network.lanes[signal_lane(network, route, one)] for one in route.signals]
     return Strip(
-        left=route.line + across,
-        right=route.line - across,
+        quads=np.stack((left[:-1], left[1:], right[1:], right[:-1]), axis=1),
         arc=np.array(route.arc),
-        heights=line_heights(network, route.line, lanes),
+        heights=np.sort(np.stack((heights[:-1], heights[1:]), axis=1), axis=1),
         signal_arcs=np.array([signal.s for signal in route.signals], dtype=np.float64),
         signal_lines=np.array([stop_line(lane) for lane in controlled]).reshape(-1, 4),
-        signal_heights=np.array([lane.heights[-1] for lane in controlled], dtype=np.float64),
+        signal_heights=np.array([[lane.heights[-1]] * 2 for lane in controlled]).reshape(-1, 2),
     )
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import shapely
+import shapely.affinity
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
@@ -109,18 +110,9 @@ def polygons_of(parts: list[BaseGeometry]) -> BaseGeometry:
     return shapely.union_all(flat[shapely.area(flat) > 0.0])
 
 
-def boxes_of(rows: FloatArray) -> list[BaseGeometry]:
-    """Returns boxes, rows of x, y, yaw, length and width, as polygons."""
-    return [
-        shapely.affinity.translate(
-            shapely.affinity.rotate(
-                shapely.box(-0.5 * length, -0.5 * width, 0.5 * length, 0.5 * width),
-                yaw,
-                origin=(0.0, 0.0),
-                use_radians=True,
-            ),
-            x,
-            y,
-        )
-        for x, y, yaw, length, width in rows[:, :5].tolist()
-    ]
+def corners_of(row: FloatArray) -> FloatArray:
+    """Returns the (5, 2) corners of a box, a row of x, y, yaw, length and width, closed."""
+    x, y, yaw, length, width = row[:5].tolist()
+    box = shapely.box(-0.5 * length, -0.5 * width, 0.5 * length, 0.5 * width)
+    turned = shapely.affinity.rotate(box, yaw, origin=(0.0, 0.0), use_radians=True)
+    return shapely.get_coordinates(shapely.affinity.translate(turned, x, y))

@@ -22,8 +22,8 @@ from drivora_service.geometry.array_shapes import BoolArray, ByteArray, FloatArr
 from drivora_service.observations.trace import LEVEL_GAP, Light
 from drivora_service.scenario.model import Weather
 from tests.agents.raster.scenes import (
-    boxes_of,
     context_on,
+    corners_of,
     on_route,
     pixel_places,
     seen_from,
@@ -102,7 +102,7 @@ def test_a_pixel_shows_an_actor_if_its_centre_is_in_the_box(
     for kind in range(3):
         certain, possible = np.zeros((2, *image.shape[1:]), dtype=np.bool_)
         for row in found[found[:, 5] == kind]:
-            outline = Outline(boxes_of(row[None])[0].exterior.coords)
+            outline = Outline(corners_of(row))
             wide, narrow = (
                 outline.contains_points(centres, radius=by).reshape(certain.shape)
                 for by in (1e-6, -1e-6)

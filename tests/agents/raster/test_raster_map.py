@@ -162,7 +162,7 @@ def test_lines_are_where_the_borders_and_centres_of_lanes_are(town: str) -> None
 
 def lines_of(town: RoadNetwork) -> dict[Channel, BaseGeometry]:
     """Returns the lines of each channel."""
-    found: dict[Channel, list[BaseGeometry]] = {
+    found: dict[Channel, list[shapely.LineString]] = {
         channel: [] for channel in tuple(Channel)[Channel.CENTRE_LINES : Channel.SPEED_LIMIT]
     }
     for lane, markings in zip(town.lanes, lane_markings(town), strict=True):
@@ -199,7 +199,8 @@ def test_the_speed_limit_is_that_of_the_lane() -> None:
         lanes = lanes_around(town, observation)
         places = pixel_places(settings, observation)
         points = shapely.points(*places)
-        limits, near_border = np.zeros(points.shape), np.zeros(points.shape, dtype=np.bool_)
+        limits = np.zeros(places[0].shape)
+        near_border = np.zeros(places[0].shape, dtype=np.bool_)
         for lane, area in zip(lanes, lane_areas(lanes), strict=True):
             inside = contains(area, places)
             limits[inside] = np.maximum(limits[inside], lane.speed_limit)
