@@ -56,7 +56,7 @@ def assert_drives_well(trace: Trace) -> None:
 @pytest.mark.slow(seconds=20)
 @pytest.mark.parametrize("town", ["tee-town", "signal-grid", "roundabout"])
 def test_it_arrives_without_a_violation(code: dict[str, Any], town: str) -> None:
-    for what in seeds(town, 3):
+    for what in seeds(town, 2):
         assert_drives_well(run(what, code["ImageDriver"]()))
 
 
