@@ -160,6 +160,7 @@ def _route(message: pb.Route) -> RouteView:
         lanes=np.array(message.lane_ids, dtype=np.int64),
         signals=tuple(SignalView(s=signal.s, lane=signal.lane_id) for signal in message.signals),
         runs=tuple(tuple(run.lane_ids) for run in message.runs),
+        stop_signs=np.array(message.stop_signs),
     )
 
 

@@ -107,7 +107,7 @@ class Vehicle(_message.Message):
     def __init__(self, model: _Optional[str] = ..., length: _Optional[float] = ..., width: _Optional[float] = ..., wheelbase: _Optional[float] = ..., mass: _Optional[float] = ..., max_acceleration: _Optional[float] = ..., max_deceleration: _Optional[float] = ..., max_steer: _Optional[float] = ..., max_speed: _Optional[float] = ...) -> None: ...
 
 class Route(_message.Message):
-    __slots__ = ("line", "arc", "speed_limits", "widths", "lane_ids", "signals", "runs")
+    __slots__ = ("line", "arc", "speed_limits", "widths", "lane_ids", "signals", "runs", "stop_signs")
     LINE_FIELD_NUMBER: _ClassVar[int]
     ARC_FIELD_NUMBER: _ClassVar[int]
     SPEED_LIMITS_FIELD_NUMBER: _ClassVar[int]
@@ -115,6 +115,7 @@ class Route(_message.Message):
     LANE_IDS_FIELD_NUMBER: _ClassVar[int]
     SIGNALS_FIELD_NUMBER: _ClassVar[int]
     RUNS_FIELD_NUMBER: _ClassVar[int]
+    STOP_SIGNS_FIELD_NUMBER: _ClassVar[int]
     line: _containers.RepeatedScalarFieldContainer[float]
     arc: _containers.RepeatedScalarFieldContainer[float]
     speed_limits: _containers.RepeatedScalarFieldContainer[float]
@@ -122,7 +123,8 @@ class Route(_message.Message):
     lane_ids: _containers.RepeatedScalarFieldContainer[int]
     signals: _containers.RepeatedCompositeFieldContainer[Signal]
     runs: _containers.RepeatedCompositeFieldContainer[LaneRun]
-    def __init__(self, line: _Optional[_Iterable[float]] = ..., arc: _Optional[_Iterable[float]] = ..., speed_limits: _Optional[_Iterable[float]] = ..., widths: _Optional[_Iterable[float]] = ..., lane_ids: _Optional[_Iterable[int]] = ..., signals: _Optional[_Iterable[_Union[Signal, _Mapping]]] = ..., runs: _Optional[_Iterable[_Union[LaneRun, _Mapping]]] = ...) -> None: ...
+    stop_signs: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, line: _Optional[_Iterable[float]] = ..., arc: _Optional[_Iterable[float]] = ..., speed_limits: _Optional[_Iterable[float]] = ..., widths: _Optional[_Iterable[float]] = ..., lane_ids: _Optional[_Iterable[int]] = ..., signals: _Optional[_Iterable[_Union[Signal, _Mapping]]] = ..., runs: _Optional[_Iterable[_Union[LaneRun, _Mapping]]] = ..., stop_signs: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class LaneRun(_message.Message):
     __slots__ = ("lane_ids",)

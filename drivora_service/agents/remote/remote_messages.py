@@ -186,6 +186,7 @@ def _route(network: RoadNetwork, route: LaneRoute) -> pb.Route:
             for signal in route.signals
         ],
         runs=[pb.LaneRun(lane_ids=run.lanes) for run in route.runs],
+        stop_signs=route.stop_signs.tolist(),
     )
 
 

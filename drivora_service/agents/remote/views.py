@@ -62,6 +62,8 @@ class RouteView:
         lanes: (n,) id of the lane at each point.
         signals: Signals in order along the route.
         runs: Ids of consecutive lanes; between two runs the vehicle changes lanes.
+        stop_signs: (k,) distance along the route of the stop lines at which it must stop first (a
+            stop sign, an all-way stop), metres.
     """
 
     line: FloatArray
@@ -71,6 +73,7 @@ class RouteView:
     lanes: IntArray
     signals: tuple[SignalView, ...]
     runs: tuple[tuple[int, ...], ...]
+    stop_signs: FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -72,6 +72,8 @@ class LaneRoute:
         point_lanes: (n,) index of the lane that each point belongs to.
         edges: SUMO edge ids in order, without internal ones.
         signals: Signals in order of ``s``.
+        stop_signs: (k,) arc length of the stop lines at which the route's movement must stop first
+            (a stop sign, an all-way stop), metres, ascending.
     """
 
     runs: tuple[LaneRun, ...]
@@ -81,10 +83,11 @@ class LaneRoute:
     point_lanes: NDArray[np.int64]
     edges: tuple[str, ...]
     signals: tuple[RouteSignal, ...]
+    stop_signs: FloatArray
 
     def __post_init__(self) -> None:
         """Makes the arrays read-only: since routes are shared."""
-        make_read_only(self.line, self.arc, self.speed_limits, self.point_lanes)
+        make_read_only(self.line, self.arc, self.speed_limits, self.point_lanes, self.stop_signs)
 
     @property
     def length(self) -> float:

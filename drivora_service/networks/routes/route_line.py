@@ -1,4 +1,4 @@
-"""Lane runs, reference line and signals of a route, from the edges that it passes."""
+"""Lane runs, reference line, signals and stop signs of a route, from the edges that it passes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from drivora_service.geometry import elementary
 from drivora_service.geometry.array_shapes import FloatArray, IntArray
 from drivora_service.geometry.lines import arc_lengths
-from drivora_service.networks.road_network import RoadNetwork, make_read_only
+from drivora_service.networks.line_controls import STOPPING_LETTERS
+from drivora_service.networks.road_network import Connection, RoadNetwork, make_read_only
 from drivora_service.networks.routes.lane_graph import lane_graph
 from drivora_service.networks.routes.lane_route import LaneRoute, LaneRun, RouteSignal
 from drivora_service.networks.routes.route_search import EdgePass
@@ -189,6 +190,9 @@ def build_route(
     line_points = line_points[distinct]
     point_lanes = np.concatenate(lanes)[distinct]
     arc = arc_lengths(line_points)
+    crossed = _lines_crossed(
+        network, drafts, np.concatenate(runs)[distinct], np.concatenate(places)[distinct], arc
+    )
     return LaneRoute(
         runs=tuple(
             _lane_run(draft, line, limits) for draft, line in zip(drafts, lines, strict=True)
@@ -198,8 +202,22 @@ def build_route(
         speed_limits=limits[point_lanes],
         point_lanes=point_lanes,
         edges=_edges(network, passes),
-        signals=_signals(
-            network, drafts, np.concatenate(runs)[distinct], np.concatenate(places)[distinct], arc
+        signals=tuple(
+            RouteSignal(
+                s=line.s,
+                run=line.run,
+                traffic_light=line.link.traffic_light,
+                link_index=line.link.link_index,
+            )
+            for line in crossed
+            if line.link.traffic_light
+        ),
+        stop_signs=np.array(
+            [
+                line.s
+                for line in crossed
+                if not line.link.traffic_light and line.link.right_of_way in STOPPING_LETTERS
+            ]
         ),
     )
 
@@ -338,33 +356,42 @@ def _edges(network: RoadNetwork, passes: Sequence[EdgePass]) -> tuple[str, ...]:
     )
 
 
-def _signals(
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _LineCrossed:
+    """The end of a lane that the route crosses between its start and destination.
+
+    Attributes:
+        s: Arc length on the reference line, metres.
+        run: Index of the lane run.
+        link: The movement of the route from there.
+    """
+
+    s: float
+    run: int
+    link: Connection
+
+
+def _lines_crossed(
     network: RoadNetwork,
     drafts: Sequence[_Draft],
     runs: IntArray,
     places: NDArray[np.float64],
     arc: FloatArray,
-) -> tuple[RouteSignal, ...]:
-    """Returns the signals with stop lines between the start and the destination."""
-    signals = []
+) -> tuple[_LineCrossed, ...]:
+    """Returns the ends of lanes between the start and the destination, in order of ``s``."""
+    crossed = []
     for k, draft in enumerate(drafts):
         own = runs == k
         if not own.any():
             continue
         on_run, on_route = places[own], arc[own]
         for lane, following, u in zip(draft.lanes, draft.lanes[1:], draft.lane_u, strict=False):
-            stop_line = float(u[-1])
-            if not draft.joined[0] < stop_line <= draft.window[1]:
+            end = float(u[-1])
+            if not draft.joined[0] < end <= draft.window[1]:
                 continue
             for link in network.lanes[lane].connections:
-                if link.to_lane == following and link.traffic_light:
-                    signals.append(
-                        RouteSignal(
-                            s=float(np.interp(stop_line, on_run, on_route)),
-                            run=k,
-                            traffic_light=link.traffic_light,
-                            link_index=link.link_index,
-                        )
-                    )
+                if link.to_lane == following:
+                    s = float(np.interp(end, on_run, on_route))
+                    crossed.append(_LineCrossed(s=s, run=k, link=link))
                     break
-    return tuple(sorted(signals, key=lambda signal: signal.s))
+    return tuple(sorted(crossed, key=lambda line: line.s))
