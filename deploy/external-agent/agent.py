@@ -1,4 +1,4 @@
-"""An ADS in a process of its own: follows its route, stops for what is ahead and for red lights.
+"""An ADS in a process of its own: follows its route, stops for actors, red lights and stop signs.
 
 Needs grpcio, protobuf and numpy. Drivora starts it as its ``agent.yaml`` says; by hand, at an
 address of your choice::
@@ -43,12 +43,18 @@ class RouteFollower:
         bend[1:-1] = np.abs(np.diff(heading)) / np.maximum(np.diff(route.arc)[1:], 0.2)
         bend = np.convolve(bend, np.full(5, 0.2), mode="same")
         self.bend_speed = np.sqrt(SIDE_ACCELERATION / np.maximum(bend, 1e-3))
+        self.stop_signs: list[float] = route.stop_signs.tolist()
+        self.standing_steps = 0
         context.log.declare("wanted_speed", "free_distance")
         context.log.event(f"{route.arc[-1]:.0f} m to drive, {len(context.lanes)} lanes around")
 
     def run_step(self, observation: Observation) -> AccelerationControl:
         """Decides; called every step."""
-        free = min(self.distance_to_others(observation), self.distance_to_halt(observation))
+        free = min(
+            self.distance_to_others(observation),
+            self.distance_to_halt(observation),
+            self.distance_to_stop_sign(observation),
+        )
         route, s = self.context.route, observation.route_s
         ahead = (route.arc >= s) & (route.arc <= s + LOOK_AHEAD)
         bends = np.sqrt(self.bend_speed[ahead] ** 2 + 2 * BRAKE * (route.arc[ahead] - s))
@@ -87,6 +93,18 @@ class RouteFollower:
         distance = observation.light_distance - 1.0
         needed = observation.speed**2 / (2 * self.context.vehicle.max_deceleration)
         return distance if needed < observation.light_distance else math.inf
+
+    def distance_to_stop_sign(self, observation: Observation) -> float:
+        """Metres to the line of the next stop sign, until the ego has stood there for a second."""
+        if not self.stop_signs:
+            return math.inf
+        distance = self.stop_signs[0] - observation.route_s - self.context.vehicle.length / 2
+        self.standing_steps += distance < 3.0 and abs(observation.speed) < 0.05
+        if self.standing_steps * self.context.step_length > 1.0 or distance < -1.0:
+            self.stop_signs.pop(0)
+            self.standing_steps = 0
+            return math.inf
+        return distance - 1.0
 
     def steer(self, observation: Observation) -> float:
         """Angle of the front wheels, radians."""

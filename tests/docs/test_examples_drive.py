@@ -53,9 +53,8 @@ from tests.simulation.episodes import CAR, WALKER, Blind, network, run, travelle
 _ROOT = Path(__file__).resolve().parents[2]
 _HOW_TO = _ROOT / "docs" / "how-to"
 NETWORKS = ("roundabout", "tee-town", "old-town")
-KNOWN_FLAWS = {"stop_sign", "discomfort"}
-"""Oracles that the example agents may violate on an empty road: they know no stop signs (their
-page says so), and brake at once."""
+KNOWN_FLAWS = {"discomfort"}
+"""Oracles that the example agents may violate on an empty road: they brake at once."""
 
 
 def file_of(page: str, name: str) -> str:

@@ -44,13 +44,13 @@ WALKER = "walker.pedestrian.0001"
 
 
 @lru_cache(maxsize=1)
-def _catalogue() -> NetworkCatalogue:
+def catalogue() -> NetworkCatalogue:
     return NetworkCatalogue(shipped_networks())
 
 
 def network(name: str = "tee-town") -> RoadNetwork:
     """A shipped network."""
-    return _catalogue().get(name)
+    return catalogue().get(name)
 
 
 def place(
