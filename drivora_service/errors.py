@@ -85,6 +85,21 @@ class UnknownName(DrivoraError):
         return type(self), (self.kind, self.name, self.known, self.hint)
 
 
+class AmbiguousName(DrivoraError):
+    """A name, or the beginning of an id, means several stored things.
+
+    Attributes:
+        candidates: A line each, with the id, the time of creation and the name.
+    """
+
+    def __init__(self, message: str, candidates: tuple[str, ...]) -> None:
+        self.message, self.candidates = message, candidates
+        super().__init__("\n".join((message, *candidates)))
+
+    def __reduce__(self) -> tuple[type[AmbiguousName], tuple[str, tuple[str, ...]]]:
+        return type(self), (self.message, self.candidates)
+
+
 class NetworkError(DrivoraError):
     """A road network cannot be read, imported or driven as requested."""
 

@@ -17,6 +17,7 @@ from drivora_service.api.context import context_of
 from drivora_service.api.guards.method_table import MethodTable
 from drivora_service.api.schemas.problems import ProblemItem
 from drivora_service.errors import (
+    AmbiguousName,
     CampaignError,
     Conflict,
     DrivoraError,
@@ -140,7 +141,7 @@ def _answer(request: Request, error: Exception) -> Response:
             return problem_response(
                 HTTPStatus.UNPROCESSABLE_ENTITY, detail, instance=path, problems=problems
             )
-        case UnknownName() | NothingStored():
+        case UnknownName() | AmbiguousName() | NothingStored():
             return problem_response(HTTPStatus.NOT_FOUND, str(error), instance=path)
         case Conflict():
             return problem_response(HTTPStatus.CONFLICT, str(error), instance=path)

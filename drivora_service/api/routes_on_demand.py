@@ -35,6 +35,7 @@ _MODULES: Mapping[str, re.Pattern[str]] = {
         ("suites", "/suites(:history)?|/suite-runs(/.*)?"),
         ("tables", "/tables/[^/]*"),
         ("events", "/events"),
+        ("ids", "/ids"),
         ("sessions", "/session"),
         ("workers", "/workers"),
         ("networks", "/networks([/:].*)?"),

@@ -13,6 +13,7 @@ from drivora_service.client.calls import campaigns as campaign_calls
 from drivora_service.client.calls import catalogues as catalogue_calls
 from drivora_service.client.calls import events as event_calls
 from drivora_service.client.calls import failures as failure_calls
+from drivora_service.client.calls import ids as id_calls
 from drivora_service.client.calls import jobs as job_calls
 from drivora_service.client.calls import minimizations as minimization_calls
 from drivora_service.client.calls import runs as run_calls
@@ -222,6 +223,8 @@ class Operations:
 
     result_table = Answered(table_calls.result_table)
     save_result_table = Saved(table_calls.result_table)
+
+    find_id = Answered(id_calls.find_id)
 
     events = Told(event_calls.events)
 

@@ -231,6 +231,7 @@ class _Recording:
         batch = f"/batches/{posted['batch']['id']}"
         self._keep(recorded_examples.BATCH, self._wait(batch, lambda found: found["done"]))
         self._keep(recorded_examples.BATCHES, self._get("/batches?limit=1"))
+        self._keep(recorded_examples.FOUND_ID, self._get("/ids?kind=batch&wanted=latest"))
         self._keep(recorded_examples.EVENTS, self._events(f"of={job['id']}&after=0", 2))
         self._keep(recorded_examples.JOB, self._get(f"/jobs/{job['id']}"))
         self._keep(recorded_examples.JOBS, self._get("/jobs?limit=1&status=cancelled"))

@@ -27,6 +27,7 @@ _GIVEN: Mapping[str, Any] = {
     "documents": [{}],
     "file": Path("town.osm"),
     "campaigns": ["a"],
+    "kinds": ["run"],
     "number": 1,
     "table": "failures",
 }

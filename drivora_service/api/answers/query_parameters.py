@@ -164,8 +164,8 @@ async def _result_filter(
         list[Annotated[str, Query(max_length=200)]] | None,
         Query(
             max_length=500,
-            description="Of this campaign, by its id, its name, or a pattern of names; may be "
-            "repeated.",
+            description="Of this campaign, by its id, its first digits, its name, a pattern of "
+            "names, or `latest`; may be repeated.",
         ),
     ] = None,
     study: Annotated[

@@ -29,6 +29,8 @@ _SCHEMAS = "#/components/schemas/"
 _PACKED = "json:"
 EVENTS = "text/event-stream"
 """Media type of a stream of events."""
+PLAIN_TEXT = "text/plain"
+"""Media type of an answer that is a line."""
 _COLUMNS: Mapping[str, Any] = {
     "type": "object",
     "properties": {
@@ -122,6 +124,15 @@ def event_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]
     data = {name: {"$ref": _SCHEMAS + kind.__name__} for name, kind in _EVENTS.items()}
     content = {EVENTS: {"schema": {"type": "string"}, "example": example, "x-events": data}}
     return _with_errors({"description": "The events", "content": content}, errors)
+
+
+def id_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]:
+    """Documents an answer as JSON with a recorded example, or as a line with an id; the errors."""
+    content = {
+        JSON: {"example": example},
+        PLAIN_TEXT: {"schema": {"type": "string"}, "example": "01a1fd17791a26704e9badf4\n"},
+    }
+    return _with_errors({"description": "Done", "content": content}, errors)
 
 
 def picture_answers(example: str, *errors: int) -> dict[int | str, dict[str, Any]]:

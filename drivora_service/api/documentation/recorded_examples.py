@@ -66,6 +66,7 @@ ORACLES = RECORDED + "oracles.json"
 MODELS = RECORDED + "models.json"
 
 EXAMPLE_SCENARIOS = RECORDED + "example-scenarios.json"
+FOUND_ID = RECORDED + "found-id.json"
 VALIDATION = RECORDED + "validation.json"
 INSPECTION = RECORDED + "inspection.json"
 JOB = RECORDED + "job.json"

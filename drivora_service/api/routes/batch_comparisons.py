@@ -29,9 +29,14 @@ def compare_batches(
     request: Request,
     context: Context,
     a: Annotated[
-        str, Query(max_length=200, description="Id of batch A, or the name: its newest batch.")
+        str,
+        Query(
+            max_length=200,
+            description="Batch A: its id or the first digits of it, its name (the newest of this "
+            "name), or `latest`.",
+        ),
     ],
-    b: Annotated[str, Query(max_length=200, description="Id or name of batch B.")],
+    b: Annotated[str, Query(max_length=200, description="Batch B, likewise.")],
     counts: Annotated[
         Counted | None,
         Query(

@@ -38,7 +38,8 @@ def compare_campaigns(
         Query(
             min_length=1,
             max_length=1000,
-            description="Ids, names, or patterns of names such as `study-*`; may be repeated.",
+            description="Ids, their first digits, names, patterns of names such as `study-*`, or "
+            "`latest`; may be repeated.",
         ),
     ],
     baseline: Annotated[str, Query(max_length=200, description="Baseline method.")] = "random",

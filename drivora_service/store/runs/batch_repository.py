@@ -72,23 +72,6 @@ class BatchRepository:
         """
         return self._records([self._row(batch_id)])[0]
 
-    def find(self, wanted: str) -> Batch:
-        """Returns the batch of an id, or the newest one of a name.
-
-        Raises:
-            UnknownName: There is neither.
-        """
-        query = (
-            select(BatchRow)
-            .where(BatchRow.name == wanted, ~BatchRow.id.startswith(SINGLE_JOBS))
-            .order_by(BatchRow.seq.desc())
-            .limit(1)
-        )
-        row = self._by_id(wanted) or (self._session.scalar(query) if wanted else None)
-        if row is None:
-            raise UnknownName("batch", wanted, ())
-        return self._records([row])[0]
-
     def page(
         self, *, priorities: Collection[Priority] = (), limit: int = 50, page_token: str = ""
     ) -> Page[Batch]:

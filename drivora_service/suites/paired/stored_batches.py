@@ -11,6 +11,8 @@ from drivora_service.oracles.verdicts.failure_definition import (
 )
 from drivora_service.runs.run_report import RunReport
 from drivora_service.store.database import Database, Transaction
+from drivora_service.store.id_lookup import find_id
+from drivora_service.store.id_records import IdKind
 from drivora_service.store.runs.run_records import JobFilter, RunSummary
 from drivora_service.suites.paired.batch_comparison import BatchComparison
 from drivora_service.suites.paired.batch_pairing import BatchRuns, compare_runs
@@ -36,8 +38,8 @@ def compare_stored_batches(
 
     Args:
         database: Holds the batches.
-        first: Id of A, or its name: the newest batch of this name.
-        second: Id or name of B.
+        first: Id of A or the first digits of it, its name (the newest of this name), or ``latest``.
+        second: B, likewise.
         rules: What counts as a failure.
         metrics: Metrics to compare; empty: all.
 
@@ -57,7 +59,8 @@ def read_batch_runs(
 
     Args:
         database: Holds the batch.
-        wanted: Id of the batch, or its name: the newest one of this name.
+        wanted: Id of the batch or the first digits of it, its name (the newest of this name), or
+            ``latest``.
         scenarios: Known scenarios by the hash of their document; new ones are added.
 
     Raises:
@@ -66,7 +69,8 @@ def read_batch_runs(
     runs: list[PairedRun] = []
     token = ""
     with database.read() as transaction:
-        batch = transaction.batches.find(wanted)
+        found = find_id(transaction.session, [IdKind.BATCH], wanted, newest_of_name=True)
+        batch = transaction.batches.get(found.id)
     while True:
         with database.read() as transaction:
             page = transaction.jobs.page(

@@ -7,7 +7,7 @@ from itertools import chain, combinations
 
 import pytest
 
-from drivora_service.errors import InvalidDocument, UnknownName
+from drivora_service.errors import InvalidDocument
 from drivora_service.store.database import Database
 from drivora_service.store.runs.run_records import Batch, Priority
 from tests.store.samples import only_sqlite, submit
@@ -82,17 +82,3 @@ def test_batches_of_other_priorities_are_not_read(
     else:
         # Walked from the end until the page is full.
         assert [step for step in touched if step.startswith("SCAN")] == ["SCAN batches"]
-
-
-def test_a_batch_is_found_by_its_id_or_as_the_newest_of_its_name(
-    database: Database, batches: list[Batch]
-) -> None:
-    with database.read() as transaction:
-        for batch in batches:
-            assert transaction.batches.find(batch.id) == batch
-        newest = next(batch for batch in batches if batch.name == Priority.CAMPAIGN)
-        assert transaction.batches.find(Priority.CAMPAIGN) == newest
-        # The runs that were submitted singly are in a batch that is not shown.
-        for unknown in ("nobody", "", "jobs"):
-            with pytest.raises(UnknownName):
-                transaction.batches.find(unknown)
