@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 import typer.main
 
-from drivora_service.cli.batches import compare_command
+from drivora_service.cli.batches import batches_commands, compare_command
 from drivora_service.cli.campaigns import campaign_commands
 from drivora_service.cli.catalogues import (
     agents_commands,
@@ -20,6 +20,7 @@ from drivora_service.cli.catalogues import (
     oracles_commands,
     testers_commands,
 )
+from drivora_service.cli.command_aliases import AliasedCommands
 from drivora_service.cli.command_tree import complete_commands
 from drivora_service.cli.exit_codes import EPILOG, ExitCode
 from drivora_service.cli.failures import failures_commands, minimize_command
@@ -106,6 +107,7 @@ def _report(error: DrivoraError) -> None:
 
 app = Commands(
     name="drivora",
+    cls=AliasedCommands,
     help="Finds the scenarios in which autonomous driving systems fail, on SUMO.",
     epilog=EPILOG,
     no_args_is_help=True,
@@ -126,6 +128,7 @@ app.command("schema", epilog=EPILOG)(schema_command.schema)
 app.command("demo", epilog=EPILOG)(demo_command.demo)
 app.command("examples", epilog=EPILOG)(examples_command.examples)
 app.add_typer(runs_commands.app, name="runs", epilog=EPILOG)
+app.add_typer(batches_commands.app, name="batches", epilog=EPILOG)
 app.add_typer(campaign_commands.app, name="campaign", epilog=EPILOG)
 app.add_typer(study_commands.app, name="study", epilog=EPILOG)
 app.add_typer(failures_commands.app, name="failures", epilog=EPILOG)

@@ -37,8 +37,8 @@ def compare(
         list[str],
         typer.Argument(
             metavar="BATCH BATCH|SCENARIO…",
-            help="Ids or names of two batches, A and B; or, with options of A or B, the scenarios "
-            "to run as both.",
+            help="Two batches, A and B (id, first digits of it, name: the newest of it, or "
+            "latest); or, with options of A or B, the scenarios to run as both.",
         ),
     ],
     counts: CountsOption = None,

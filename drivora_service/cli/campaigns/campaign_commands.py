@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.application.references import CampaignArgument, id_of
 from drivora_service.cli.campaigns.campaign_export_command import export
 from drivora_service.cli.campaigns.campaign_presets_command import presets
 from drivora_service.cli.campaigns.campaign_validate_command import validate
@@ -25,13 +26,12 @@ from drivora_service.cli.terminal.options import (
 )
 from drivora_service.cli.terminal.out_option import check_file, check_folder
 from drivora_service.cli.terminal.output import (
-    JsonOption,
     note,
-    print_json,
-    print_shape,
     write_text,
 )
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 from drivora_service.errors import ConfigurationError, ServiceError
+from drivora_service.store.id_records import IdKind
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.campaigns import Campaign
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 
 app = typer.Typer(help="Searches for failures of an ADS.", no_args_is_help=True)
 
-IdArgument = Annotated[str, typer.Argument(metavar="ID", help="Id of a campaign.")]
 WorkersOption = Annotated[
     int | None,
     typer.Option(
@@ -73,6 +72,7 @@ GateOption = Annotated[
 
 
 @app.command()
+@with_forms
 def run(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A campaign, as YAML or JSON.")],
     workers: WorkersOption = None,
@@ -85,7 +85,7 @@ def run(
     detach: DetachOption = False,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Runs a campaign; an interrupt (Ctrl-C) pauses it, and then exits with 130.
 
@@ -113,25 +113,26 @@ def run(
             chosen = gate_of_document(client, content, gate_oracle or (), is_wanted=gate)
             return client.post_campaign(json.dumps(content)), chosen
 
-        campaign, chosen = send_campaign(file, post)
-        for remark in campaign.notes:
+        posted, chosen = send_campaign(file, post)
+        for remark in posted.notes:
             note(f"note: {remark}")
-        note(f"campaign {campaign.id}")
+        note(f"campaign {posted.id}")
         _finish(
             client,
-            campaign,
+            posted,
             server,
             data_dir,
             out=out,
             gate=chosen,
             detach=detach,
-            as_json=as_json,
+            form=form,
         )
 
 
 @app.command()
+@with_forms
 def resume(
-    campaign_id: IdArgument,
+    campaign: CampaignArgument,
     workers: WorkersOption = None,
     out: OutOption = None,
     evaluator: EvaluatorOption = "",
@@ -142,7 +143,7 @@ def resume(
     detach: DetachOption = False,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Resumes a campaign that was paused, failed or killed, as if it had not been interrupted."""
     _refuse_detaching(detach, server)
@@ -159,27 +160,29 @@ def resume(
     ) as client:
         from drivora_service.cli.campaigns.campaign_gates import gate_of_document
 
+        campaign_id = id_of(client, campaign, IdKind.CAMPAIGN)
         document = client.campaign(campaign_id).document
         chosen = gate_of_document(client, document, gate_oracle or (), is_wanted=gate)
-        campaign = client.resume_campaign(campaign_id)
+        resumed = client.resume_campaign(campaign_id)
         _finish(
             client,
-            campaign,
+            resumed,
             server,
             data_dir,
             out=out,
             gate=chosen,
             detach=detach,
-            as_json=as_json,
+            form=form,
         )
 
 
 @app.command("list")
+@with_forms
 def list_campaigns(
     limit: Annotated[int, typer.Option(min=1, max=1000, help="How many.")] = 50,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Lists campaigns, newest first."""
     with open_client(server, data_dir) as client:
@@ -187,41 +190,43 @@ def list_campaigns(
         from drivora_service.store.campaigns.campaign_records import CampaignSummary
 
         campaigns = tuple(client.campaigns(limit=limit))
-        if as_json:
-            print_shape(tuple[CampaignSummary, ...], campaigns)
-        else:
+        if form.is_table:
             # Lists leave out what a campaign counts.
             print_campaigns([client.campaign(one.id) for one in campaigns])
+        else:
+            form.print_shape(tuple[CampaignSummary, ...], campaigns)
 
 
 @app.command()
+@with_forms
 def show(
-    campaign_id: IdArgument,
+    campaign: CampaignArgument,
     evaluation: Annotated[
         int | None,
         typer.Option(min=0, metavar="N", help="Show this evaluation and its ancestors."),
     ] = None,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Shows a campaign and the failures that it has found, or one of its evaluations."""
     with open_client(server, data_dir) as client:
+        campaign_id = id_of(client, campaign, IdKind.CAMPAIGN)
         if evaluation is None:
-            _show(client, client.campaign(campaign_id), as_json=as_json)
+            _show(client, client.campaign(campaign_id), form)
             return
         found = client.evaluation(campaign_id, evaluation)
     from drivora_service.cli.campaigns.campaign_output import print_evaluation
 
-    if as_json:
-        print_shape(type(found), found)
-    else:
+    if form.is_table:
         print_evaluation(found)
+    else:
+        form.print_shape(type(found), found, id_field="number")
 
 
 @app.command()
 def scenario(
-    campaign_id: IdArgument,
+    campaign: CampaignArgument,
     number: Annotated[int, typer.Argument(metavar="N", min=0, help="Number of an evaluation.")],
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Where to write it [default: print it].")
@@ -232,32 +237,34 @@ def scenario(
     """Prints the scenario of an evaluation, for `drivora run`."""
     check_file(out)
     with open_client(server, data_dir) as client:
-        text = client.evaluation_scenario(campaign_id, number)
+        text = client.evaluation_scenario(id_of(client, campaign, IdKind.CAMPAIGN), number)
     write_text(text, out)
 
 
 @app.command()
+@with_forms
 def pause(
-    campaign_id: IdArgument,
+    campaign: CampaignArgument,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Pauses a campaign, whichever process runs it."""
     with open_client(server, data_dir) as client:
-        _say_state(client.pause_campaign(campaign_id), as_json=as_json)
+        _say_state(client.pause_campaign(id_of(client, campaign, IdKind.CAMPAIGN)), form)
 
 
 @app.command()
+@with_forms
 def cancel(
-    campaign_id: IdArgument,
+    campaign: CampaignArgument,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Cancels a campaign permanently; what it has found stays."""
     with open_client(server, data_dir) as client:
-        _say_state(client.cancel_campaign(campaign_id), as_json=as_json)
+        _say_state(client.cancel_campaign(id_of(client, campaign, IdKind.CAMPAIGN)), form)
 
 
 app.command()(compare)
@@ -284,7 +291,7 @@ def _finish(
     out: Path | None,
     gate: Gate | None,
     detach: bool,
-    as_json: bool,
+    form: Form,
 ) -> None:
     """Follows a campaign to its end, shows it and judges it."""
     from drivora_service.cli.campaigns.campaign_running import (
@@ -295,8 +302,8 @@ def _finish(
     from drivora_service.store.campaigns.campaign_records import CampaignState
 
     if detach:
-        if as_json:
-            _show(client, campaign, as_json=True)
+        if not form.is_table:
+            _show(client, campaign, form)
         return
     where = f"{campaign.id} {location(server, data_dir)}".rstrip()
     is_interrupted = False
@@ -316,7 +323,7 @@ def _finish(
         raise
     if out is not None:
         export_campaign(client, campaign, out)
-    _show(client, campaign, as_json=as_json)
+    _show(client, campaign, form)
     if is_interrupted and campaign.state is CampaignState.PAUSED:
         done = campaign.counts.evaluations
         say_interrupted(
@@ -339,18 +346,18 @@ def _finish(
         print_answer(judge_campaign(client, campaign, gate))
 
 
-def _show(client: Client, campaign: Campaign, *, as_json: bool) -> None:
+def _show(client: Client, campaign: Campaign, form: Form) -> None:
     from drivora_service.cli.campaigns.campaign_output import campaign_content, print_campaign
 
-    if as_json:
-        print_json(campaign_content(campaign, tuple(client.failures(campaign.id))))
-    else:
+    if form.is_table:
         print_campaign(campaign)
+    else:
+        form.print_content(campaign_content(campaign, tuple(client.failures(campaign.id))))
 
 
-def _say_state(campaign: Campaign, *, as_json: bool) -> None:
-    if as_json:
-        print_shape(type(campaign), campaign)
+def _say_state(campaign: Campaign, form: Form) -> None:
+    if not form.is_table:
+        form.print_shape(type(campaign), campaign)
         return
     requested = f", {campaign.request} requested" if campaign.request else ""
     typer.echo(f"campaign {campaign.id} is {campaign.state}{requested}")

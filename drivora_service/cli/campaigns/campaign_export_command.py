@@ -9,9 +9,11 @@ from typing import Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.application.references import ids_of
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption, parse_counts
 from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
 from drivora_service.cli.terminal.output import JsonOption, note, print_json
+from drivora_service.store.id_records import IdKind
 
 
 class Each(StrEnum):
@@ -23,7 +25,12 @@ class Each(StrEnum):
 
 
 def export(
-    campaigns: Annotated[list[str], typer.Argument(metavar="ID…", help="Ids of campaigns.")],
+    campaigns: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="CAMPAIGN…", help="Campaigns (id, first digits of it, name, or latest)."
+        ),
+    ],
     suite: Annotated[
         Path,
         typer.Option("--suite", metavar="DIR", help="Folder of the suite; made if it is missing."),
@@ -53,7 +60,8 @@ def export(
         from drivora_service.cli.campaigns.campaign_scenarios import find_failure_scenarios
         from drivora_service.suites.suite_exporting import export_scenarios
 
-        found = find_failure_scenarios(client, campaigns, each=each, counted=counted, most=most)
+        ids = ids_of(client, campaigns, IdKind.CAMPAIGN)
+        found = find_failure_scenarios(client, ids, each=each, counted=counted, most=most)
         with convert_write_errors(suite):
             done = export_scenarios(suite, found, name=suite.resolve().name)
     if done.kept:

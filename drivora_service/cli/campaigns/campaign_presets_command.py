@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from drivora_service.cli.terminal.output import JsonOption, print_json, print_table
+from drivora_service.cli.terminal.output import print_table
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 
 
-def presets(as_json: JsonOption = False) -> None:
+@with_forms
+def presets(form: Form = TABLE) -> None:
     """Lists the named spaces for `space: {preset: NAME}` in a campaign or a study."""
     from drivora_service.search.space.presets import PRESETS
 
-    if as_json:
-        print_json(
+    if not form.is_table:
+        form.print_content(
             [
                 {
                     "name": name.value,

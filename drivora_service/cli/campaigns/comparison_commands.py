@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.application.references import CampaignArgument, id_of
 from drivora_service.cli.terminal.options import (
     DataDirOption,
     EqualTimeOption,
@@ -16,13 +17,16 @@ from drivora_service.cli.terminal.options import (
 )
 from drivora_service.cli.terminal.out_option import check_file, check_folder, convert_write_errors
 from drivora_service.cli.terminal.output import JsonOption, note, print_shape, write_text
+from drivora_service.store.id_records import IdKind
 
 
 def compare(
     wanted: Annotated[
         list[str],
         typer.Argument(
-            metavar="ID|NAME…", help="Ids or names of campaigns, or patterns such as 'study-*'."
+            metavar="CAMPAIGN…",
+            help="Campaigns: ids, first digits of them, names, patterns of names such as "
+            "'study-*', or latest.",
         ),
     ],
     baseline: Annotated[str, typer.Option(metavar="METHOD", help="Baseline method.")] = "random",
@@ -64,7 +68,7 @@ def compare(
 
 
 def report(
-    campaign_id: Annotated[str, typer.Argument(metavar="ID", help="Id of a campaign.")],
+    campaign: CampaignArgument,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -87,6 +91,7 @@ def report(
         from drivora_service.cli.campaigns.campaign_reports import draw_report
         from drivora_service.cli.terminal.private_files import give_to_user
 
+        campaign_id = id_of(client, campaign, IdKind.CAMPAIGN)
         is_new = folder is not None and not folder.exists()
         with convert_write_errors(folder):
             told = draw_report(client, campaign_id, data_dir, folder)

@@ -10,13 +10,11 @@ from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.catalogues.benchmark_command import benchmark
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
 from drivora_service.cli.terminal.output import (
-    JsonOption,
     find_entry,
     note,
-    print_json,
-    print_models,
     print_table,
 )
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 from drivora_service.cli.terminal.parameter_output import print_parameters
 
 app = typer.Typer(help="ADSs that can drive an ego.", no_args_is_help=True)
@@ -24,14 +22,15 @@ app.command()(benchmark)
 
 
 @app.command("list")
+@with_forms
 def list_agents(
-    server: ServerOption = "", data_dir: DataDirOption = None, as_json: JsonOption = False
+    server: ServerOption = "", data_dir: DataDirOption = None, form: Form = TABLE
 ) -> None:
     """Lists the agents."""
     with open_client(server, data_dir) as client:
         agents = client.agents().items
-    if as_json:
-        print_models(agents)
+    if not form.is_table:
+        form.print_content([one.model_dump(mode="json") for one in agents])
         return
     print_table(
         "",
@@ -55,17 +54,18 @@ def list_agents(
 
 
 @app.command()
+@with_forms
 def show(
     name: Annotated[str, typer.Argument(help="An agent of `drivora agents list`.")],
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Shows an agent with its parameters."""
     with open_client(server, data_dir) as client:
         agent = find_entry("agent", name, client.agents().items)
-    if as_json:
-        print_json(agent.model_dump(mode="json"))
+    if not form.is_table:
+        form.print_content(agent.model_dump(mode="json"))
         return
     print(f"{agent.name} ({agent.kind}): {agent.description}")
     print(f"From: {agent.source}. Licence: {agent.licence or 'none stated'}")

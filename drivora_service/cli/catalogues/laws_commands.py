@@ -10,6 +10,7 @@ import typer
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import DataDirOption
 from drivora_service.cli.terminal.output import JsonOption, fail, print_json, print_table
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 
 if TYPE_CHECKING:
     from drivora_service.oracles.laws.law import Law
@@ -18,20 +19,23 @@ app = typer.Typer(help="Traffic laws as formulas, by which runs are judged.", no
 
 
 @app.command("list")
-def list_laws(data_dir: DataDirOption = None, as_json: JsonOption = False) -> None:
+@with_forms
+def list_laws(data_dir: DataDirOption = None, form: Form = TABLE) -> None:
     """Lists the laws that judge runs here: shipped ones, and those of your files."""
     from drivora_service.cli.application.installation import oracle_catalogue, settings_for
 
     library = oracle_catalogue(settings_for(data_dir)).library
     laws = [library.law(name) for name in library.names()]
-    if as_json:
-        print_json(
+    if not form.is_table:
+        told = [_plain(law) for law in laws]
+        form.print_content(
             {
-                "laws": [_plain(law) for law in laws],
+                "laws": told,
                 "broken": [
                     {"file": one.file, "reason": one.reason} for one in library.broken.values()
                 ],
-            }
+            },
+            told,
         )
         return
     print_table(

@@ -9,20 +9,22 @@ import typer
 
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
-from drivora_service.cli.terminal.output import JsonOption, print_json, print_models, print_table
+from drivora_service.cli.terminal.output import JsonOption, print_json, print_table
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 
 app = typer.Typer(help="Road networks that scenarios may take place on.", no_args_is_help=True)
 
 
 @app.command("list")
+@with_forms
 def list_networks(
-    server: ServerOption = "", data_dir: DataDirOption = None, as_json: JsonOption = False
+    server: ServerOption = "", data_dir: DataDirOption = None, form: Form = TABLE
 ) -> None:
     """Lists the networks, shipped and imported."""
     with open_client(server, data_dir) as client:
         networks = client.networks().items
-    if as_json:
-        print_models(networks)
+    if not form.is_table:
+        form.print_content([one.model_dump(mode="json") for one in networks])
     else:
         for network in networks:
             typer.echo(network.name)
@@ -33,17 +35,18 @@ _UNITS = {"bounds": "bounds (m)", "net_offset": "net offset (m)", "drivable_km":
 
 
 @app.command()
+@with_forms
 def show(
     name: Annotated[str, typer.Argument(help="A network of `drivora networks list`.")],
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Describes a network."""
     with open_client(server, data_dir) as client:
         facts = client.network(name).model_dump(mode="json")
-    if as_json:
-        print_json(facts)
+    if not form.is_table:
+        form.print_content(facts)
     else:
         rows = ((_UNITS.get(key, key).replace("_", " "), _text(facts[key])) for key in facts)
         print_table("", ("fact", "value"), rows, wrap=("value",))

@@ -9,24 +9,23 @@ import typer
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import ServerOption
 from drivora_service.cli.terminal.output import (
-    JsonOption,
     find_entry,
-    print_json,
-    print_models,
     print_table,
 )
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 from drivora_service.short_values import short_value
 
 app = typer.Typer(help="The oracles that runs are judged by.", no_args_is_help=True)
 
 
 @app.command("list")
-def list_oracles(server: ServerOption = "", as_json: JsonOption = False) -> None:
+@with_forms
+def list_oracles(server: ServerOption = "", form: Form = TABLE) -> None:
     """Lists the oracles in the order of judging."""
     with open_client(server, None) as client:
         oracles = client.oracles().items
-    if as_json:
-        print_models(oracles)
+    if not form.is_table:
+        form.print_content([one.model_dump(mode="json") for one in oracles])
         return
     print_table(
         "",
@@ -45,16 +44,17 @@ def list_oracles(server: ServerOption = "", as_json: JsonOption = False) -> None
 
 
 @app.command()
+@with_forms
 def show(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of an oracle.")],
     server: ServerOption = "",
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Shows an oracle with its thresholds."""
     with open_client(server, None) as client:
         oracle = find_entry("oracle", name, client.oracles().items)
-    if as_json:
-        print_json(oracle.model_dump(mode="json"))
+    if not form.is_table:
+        form.print_content(oracle.model_dump(mode="json"))
         return
     print(f"{oracle.name}: {oracle.description or oracle.reason}")
     if oracle.formula:

@@ -9,24 +9,23 @@ import typer
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import ServerOption
 from drivora_service.cli.terminal.output import (
-    JsonOption,
     find_entry,
-    print_json,
-    print_models,
     print_table,
 )
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 from drivora_service.cli.terminal.parameter_output import print_parameters
 
 app = typer.Typer(help="The methods that can search for failures.", no_args_is_help=True)
 
 
 @app.command("list")
-def list_testers(server: ServerOption = "", as_json: JsonOption = False) -> None:
+@with_forms
+def list_testers(server: ServerOption = "", form: Form = TABLE) -> None:
     """Lists the testers."""
     with open_client(server, None) as client:
         testers = client.testers().items
-    if as_json:
-        print_models(testers)
+    if not form.is_table:
+        form.print_content([one.model_dump(mode="json") for one in testers])
         return
     print_table(
         "",
@@ -46,16 +45,17 @@ def list_testers(server: ServerOption = "", as_json: JsonOption = False) -> None
 
 
 @app.command()
+@with_forms
 def show(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a tester.")],
     server: ServerOption = "",
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Shows a tester with its parameters."""
     with open_client(server, None) as client:
         tester = find_entry("tester", name, client.testers().items)
-    if as_json:
-        print_json(tester.model_dump(mode="json"))
+    if not form.is_table:
+        form.print_content(tester.model_dump(mode="json"))
         return
     if not tester.installed:
         print(f"{tester.name} cannot be used: {tester.reason}")

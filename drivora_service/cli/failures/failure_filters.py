@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from drivora_service.cli.application.references import id_of
 from drivora_service.cli.terminal.options import parse_choice, parse_counts
+from drivora_service.store.id_records import IdKind
 
 if TYPE_CHECKING:
     from drivora_service.client import Client
@@ -12,6 +14,7 @@ if TYPE_CHECKING:
 
 
 def make_filter(
+    client: Client,
     group: str,
     oracle: str,
     agent: str,
@@ -23,24 +26,28 @@ def make_filter(
     batch: str,
     counts: str | None,
 ) -> FoundFilter:
-    """Returns the filter that options ask for."""
+    """Returns the filter that options ask for.
+
+    Raises:
+        NotFound: A group, configuration, campaign, study or batch is not stored.
+    """
     from drivora_service.oracles.verdicts.accountability import Accountability
     from drivora_service.store.failures.failure_records import FoundFilter
 
     return FoundFilter(
-        group=group,
+        group=id_of(client, group, IdKind.FAILURE_GROUP),
         oracle=oracle,
         agent=agent,
-        configuration_id=configuration,
+        configuration_id=id_of(client, configuration, IdKind.CONFIGURATION),
         town=town,
         accountability=(
             parse_choice(Accountability, accountability, "--accountability")
             if accountability
             else None
         ),
-        campaign_id=campaign,
-        study_id=study,
-        batch_id=batch,
+        campaign_id=id_of(client, campaign, IdKind.CAMPAIGN),
+        study_id=id_of(client, study, IdKind.STUDY),
+        batch_id=id_of(client, batch, IdKind.BATCH),
         counts=parse_counts(counts),
     )
 

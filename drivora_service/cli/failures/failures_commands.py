@@ -8,15 +8,27 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.application.references import (
+    BatchOption,
+    CampaignOption,
+    ConfigurationOption,
+    GroupArgument,
+    GroupOption,
+    StudyOption,
+    baseline_id,
+    id_of,
+    ids_of,
+)
 from drivora_service.cli.failures.failure_filters import check_owners, make_filter
 from drivora_service.cli.terminal.options import (
-    ConfigurationOption,
     CountsOption,
     DataDirOption,
     ServerOption,
     parse_choice,
 )
-from drivora_service.cli.terminal.output import JsonOption, fail, print_shape
+from drivora_service.cli.terminal.output import fail
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
+from drivora_service.store.id_records import IdKind
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -29,7 +41,6 @@ app = typer.Typer(
     no_args_is_help=True,
 )
 
-_GroupArgument = Annotated[str, typer.Argument(metavar="GROUP", help="Id of a group of failures.")]
 _ByOption = Annotated[
     str, typer.Option(metavar="NAME", help="Who decides [default: the name of the user].")
 ]
@@ -42,41 +53,49 @@ _AccountabilityOption = Annotated[
         metavar="WORD", help="For which an ego is accountable so far, such as `avoidable`."
     ),
 ]
-_CampaignOption = Annotated[str, typer.Option(metavar="ID", help="Found by this campaign.")]
-_StudyOption = Annotated[str, typer.Option(metavar="ID", help="Found by this study.")]
-_BatchOption = Annotated[str, typer.Option(metavar="ID", help="Of runs of this batch.")]
 _LimitOption = Annotated[int, typer.Option(min=1, max=10_000, help="How many.")]
 
 
 @app.command("list")
+@with_forms
 def list_failures(
-    group: Annotated[str, typer.Option(metavar="GROUP", help="Of this group.")] = "",
+    group: GroupOption = "",
     oracle: _OracleOption = "",
     agent: _AgentOption = "",
     configuration: ConfigurationOption = "",
     town: _TownOption = "",
     accountability: _AccountabilityOption = "",
-    campaign: _CampaignOption = "",
-    study: _StudyOption = "",
-    batch: _BatchOption = "",
+    campaign: CampaignOption = "",
+    study: StudyOption = "",
+    batch: BatchOption = "",
     counts: CountsOption = None,
     limit: _LimitOption = 50,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Lists failures, the last found first."""
-    wanted = make_filter(
-        group, oracle, agent, configuration, town, accountability, campaign, study, batch, counts
-    )
     with open_client(server, data_dir) as client:
         from drivora_service.api.schemas.failures import FoundFailure
 
+        wanted = make_filter(
+            client,
+            group,
+            oracle,
+            agent,
+            configuration,
+            town,
+            accountability,
+            campaign,
+            study,
+            batch,
+            counts,
+        )
         check_owners(client, wanted)
         failures = tuple(client.found_failures(wanted, limit=limit))
         found = client.found_counts(wanted)
-    if as_json:
-        print_shape(tuple[FoundFailure, ...], failures)
+    if not form.is_table:
+        form.print_shape(tuple[FoundFailure, ...], failures)
     else:
         from drivora_service.cli.failures.failure_output import print_counts, print_failures
 
@@ -85,6 +104,7 @@ def list_failures(
 
 
 @app.command()
+@with_forms
 def groups(
     status: Annotated[
         list[str] | None,
@@ -99,9 +119,10 @@ def groups(
     baseline: Annotated[
         str,
         typer.Option(
-            metavar="ID|TIME",
-            help="Compare with the failures of this batch, campaign or study, or with those found "
-            "before a time such as 2026-11-20T08:00:00Z.",
+            metavar="BATCH|CAMPAIGN|STUDY|TIME",
+            help="Compare with the failures of this batch, campaign or study (id, first digits of "
+            "it, name, or latest), or with those found before a time such as "
+            "2026-11-20T08:00:00Z.",
         ),
     ] = "",
     since_baseline: Annotated[
@@ -113,22 +134,19 @@ def groups(
     configuration: ConfigurationOption = "",
     town: _TownOption = "",
     accountability: _AccountabilityOption = "",
-    campaign: _CampaignOption = "",
-    study: _StudyOption = "",
-    batch: _BatchOption = "",
+    campaign: CampaignOption = "",
+    study: StudyOption = "",
+    batch: BatchOption = "",
     counts: CountsOption = None,
     limit: _LimitOption = 50,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Lists groups of failures, the last seen first."""
     from drivora_service.errors import InvalidDocument
     from drivora_service.store.failures.group_records import GroupStatus, SinceBaseline
 
-    wanted = make_filter(
-        "", oracle, agent, configuration, town, accountability, campaign, study, batch, counts
-    )
     statuses = tuple(parse_choice(GroupStatus, one, "--status") for one in status or ())
     if since_baseline and not baseline:
         raise typer.BadParameter("needs --baseline", param_hint="--since-baseline")
@@ -138,12 +156,25 @@ def groups(
     with open_client(server, data_dir) as client:
         from drivora_service.api.schemas.failure_groups import FailureGroup
 
+        wanted = make_filter(
+            client,
+            "",
+            oracle,
+            agent,
+            configuration,
+            town,
+            accountability,
+            campaign,
+            study,
+            batch,
+            counts,
+        )
         check_owners(client, wanted)
         listing = client.failure_groups(
             wanted,
             statuses=statuses,
             assignee=assignee,
-            baseline=baseline,
+            baseline=baseline_id(client, baseline),
             since_baseline=since,
             limit=limit,
         )
@@ -152,8 +183,8 @@ def groups(
             found = tuple(listing)
         except InvalidDocument as error:
             raise typer.BadParameter(error.problems[0].message, param_hint="--baseline") from error
-    if as_json:
-        print_shape(tuple[FailureGroup, ...], found)
+    if not form.is_table:
+        form.print_shape(tuple[FailureGroup, ...], found)
     else:
         from drivora_service.cli.failures.failure_output import print_counts, print_groups
 
@@ -162,18 +193,20 @@ def groups(
 
 
 @app.command()
+@with_forms
 def show(
-    group: _GroupArgument,
+    group: GroupArgument,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Shows a group, and what was decided about it."""
     with open_client(server, data_dir) as client:
-        found = client.failure_group(group)
-        changes = client.failure_group_changes(group)
-    if as_json:
-        print_shape(type(found), found)
+        group_id = id_of(client, group, IdKind.FAILURE_GROUP)
+        found = client.failure_group(group_id)
+        changes = client.failure_group_changes(group_id)
+    if not form.is_table:
+        form.print_shape(type(found), found)
     else:
         from drivora_service.cli.failures.failure_output import print_group
 
@@ -181,8 +214,9 @@ def show(
 
 
 @app.command()
+@with_forms
 def decide(
-    group: _GroupArgument,
+    group: GroupArgument,
     status: Annotated[
         str,
         typer.Option(metavar="STATUS", help="Its status: new, known, fixed or will_not_fix."),
@@ -197,7 +231,7 @@ def decide(
     by: _ByOption = "",
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Sets the status, label, assignee or note of a group; what is left out stays."""
     from drivora_service.store.failures.group_records import GroupStatus
@@ -209,44 +243,53 @@ def decide(
         server,
         data_dir,
         lambda client: client.decide_group(
-            group,
+            id_of(client, group, IdKind.FAILURE_GROUP),
             status=new_status,
             label=label,
             assignee=assignee,
             note=note,
             by=by or _user(),
         ),
-        as_json=as_json,
+        form=form,
     )
 
 
 @app.command()
+@with_forms
 def merge(
-    into: Annotated[str, typer.Argument(metavar="GROUP", help="Id of the group that stays.")],
+    into: GroupArgument,
     others: Annotated[
         list[str],
-        typer.Argument(metavar="OTHER…", help="Ids of the groups whose failures come to it."),
+        typer.Argument(
+            metavar="GROUP…",
+            help="The groups whose failures come to the first one, which stays.",
+        ),
     ],
     by: _ByOption = "",
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Puts the failures of groups into another one, also those found later."""
     _write(
         server,
         data_dir,
-        lambda client: client.merge_groups(into, others, by=by or _user()),
-        as_json=as_json,
+        lambda client: client.merge_groups(
+            id_of(client, into, IdKind.FAILURE_GROUP),
+            ids_of(client, others, IdKind.FAILURE_GROUP),
+            by=by or _user(),
+        ),
+        form=form,
     )
 
 
 @app.command()
+@with_forms
 def split(
-    group: _GroupArgument,
+    group: GroupArgument,
     failure: Annotated[
         list[int] | None,
-        typer.Option(metavar="ID", help="A failure to split off; may be repeated."),
+        typer.Option(metavar="NUMBER", help="A failure to split off; may be repeated."),
     ] = None,
     name: Annotated[
         list[str] | None,
@@ -260,7 +303,7 @@ def split(
     by: _ByOption = "",
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Makes a group of a part of another one."""
     if not failure and not name:
@@ -269,9 +312,13 @@ def split(
         server,
         data_dir,
         lambda client: client.split_group(
-            group, failures=failure or (), names=name or (), label=label, by=by or _user()
+            id_of(client, group, IdKind.FAILURE_GROUP),
+            failures=failure or (),
+            names=name or (),
+            label=label,
+            by=by or _user(),
         ),
-        as_json=as_json,
+        form=form,
     )
 
 
@@ -280,7 +327,7 @@ def _write(
     data_dir: Path | None,
     do: Callable[[Client], FailureGroup],
     *,
-    as_json: bool,
+    form: Form,
 ) -> None:
     from drivora_service.cli.exit_codes import ExitCode
     from drivora_service.errors import RequestConflict
@@ -291,8 +338,8 @@ def _write(
         except RequestConflict as error:
             fail(str(error))
             raise typer.Exit(ExitCode.USAGE_ERROR) from error
-    if as_json:
-        print_shape(type(found), found)
+    if not form.is_table:
+        form.print_shape(type(found), found)
     else:
         from drivora_service.cli.failures.failure_output import print_groups
 

@@ -8,20 +8,24 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.application.references import RunArgument, id_of
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.interruption import say_interrupted
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption, WorkersOption
 from drivora_service.cli.terminal.out_option import check_file, check_folder
-from drivora_service.cli.terminal.output import JsonOption, fail, note, print_shape
+from drivora_service.cli.terminal.output import fail, note
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 from drivora_service.errors import RequestConflict
+from drivora_service.store.id_records import IdKind
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.minimizations import Minimization
     from drivora_service.client import Client
 
 
+@with_forms
 def minimize(
-    run: Annotated[str, typer.Argument(metavar="RUN", help="Id of a run that fails.")],
+    run: RunArgument,
     oracle: Annotated[
         str,
         typer.Option(
@@ -54,9 +58,9 @@ def minimize(
     workers: WorkersOption = None,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
-    """Searches the smallest scenario that fails in the same way as a run.
+    """Searches the smallest scenario that fails in the same way as a run that fails.
 
     The same way: the same oracle, ego, responsibility and avoidability, at the same place. Exits
     with 1 if the budget ended before all single reductions were tried without success, and with
@@ -66,7 +70,12 @@ def minimize(
     (check_file if is_file else check_folder)(out)
     with open_client(server, data_dir, works=True, workers=workers) as client:
         minimization = _run_minimization(
-            client, run, oracle=oracle, budget=budget, radius=radius, is_on_service=bool(server)
+            client,
+            id_of(client, run, IdKind.RUN),
+            oracle=oracle,
+            budget=budget,
+            radius=radius,
+            is_on_service=bool(server),
         )
         if out is not None and minimization.document is not None:
             from drivora_service.cli.failures.minimization_files import write_document, write_folder
@@ -75,7 +84,7 @@ def minimize(
                 write_document(minimization, out)
             else:
                 write_folder(client, minimization, out, data_dir=None if server else data_dir)
-    _show(minimization, as_json=as_json)
+    _show(minimization, form)
 
 
 def _run_minimization(
@@ -108,12 +117,12 @@ def _run_minimization(
         raise typer.Exit(ExitCode.INTERRUPTED) from error
 
 
-def _show(minimization: Minimization, *, as_json: bool) -> None:
+def _show(minimization: Minimization, form: Form) -> None:
     from drivora_service.cli.failures.minimization_output import print_minimization
     from drivora_service.store.minimizations.minimization_records import MinimizationState
 
-    if as_json:
-        print_shape(type(minimization), minimization)
+    if not form.is_table:
+        form.print_shape(type(minimization), minimization)
     elif minimization.before is not None:
         print_minimization(minimization)
     if minimization.state is not MinimizationState.FINISHED:

@@ -10,9 +10,11 @@ from typing import Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.application.references import id_of
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
 from drivora_service.cli.terminal.output import JsonOption, print_json
 from drivora_service.errors import ConfigurationError
+from drivora_service.store.id_records import IdKind
 
 
 class ColorBy(StrEnum):
@@ -25,7 +27,11 @@ class ColorBy(StrEnum):
 def plot(
     run: Annotated[
         str,
-        typer.Argument(metavar="RUN|TRACE", help="Id of a run, or a trace file (.parquet)."),
+        typer.Argument(
+            metavar="RUN|TRACE",
+            help="A run (id, first digits of it, name, or latest), CAMPAIGN-EVALUATION, or a "
+            "trace file (.parquet).",
+        ),
     ],
     out: Annotated[
         Path | None,
@@ -57,29 +63,29 @@ def plot(
     from drivora_service.cli.terminal.trace_drawing import draw_trace
 
     settings = settings_for(data_dir)
-    target = out or Path(f"{Path(run).name.partition('.')[0]}.svg")
-    if target.suffix.lower() not in (".svg", ".png"):
-        raise ConfigurationError(f"a picture is .svg or .png, not {target.name!r}")
+    if out is not None and out.suffix.lower() not in (".svg", ".png"):
+        raise ConfigurationError(f"a picture is .svg or .png, not {out.name!r}")
     if moments is not None and color_by is ColorBy.TIME:
         raise ConfigurationError(
             "--color-by time colours the trails of a whole run: leave it out with --moments"
         )
 
-    check_file(target)
+    check_file(out)
 
-    def draw(trace: Path) -> None:
+    def draw(trace: Path, name: str) -> Path:
+        target = out or Path(f"{name}.svg")
+        check_file(target)
         draw_trace(
             trace, settings, target, color_by=color_by.value, oracles=oracle or (), moments=moments
         )
+        return target
 
     trace = Path(run)
     if trace.suffix == ".parquet" and trace.is_file():
-        draw(trace)
-    elif "/" in run or "." in run:
-        # No id has such characters.
+        target = draw(trace, trace.name.partition(".")[0])
+    elif "/" in run or trace.suffix == ".parquet":
         raise ConfigurationError(
-            f"{run}: neither a trace file (.parquet) nor the id of a run; `drivora runs list` "
-            "shows the ids"
+            f"{run}: neither a trace file (.parquet) nor a run; `drivora runs list` shows the runs"
         )
     else:
         with (
@@ -88,8 +94,9 @@ def plot(
             tempfile.TemporaryDirectory(prefix="drivora-") as scratch,
         ):
             trace = Path(scratch) / "run.trace.parquet"
-            client.save_run_observations(trace, run)
-            draw(trace)
+            run_id = id_of(client, run, IdKind.RUN)
+            client.save_run_observations(trace, run_id)
+            target = draw(trace, run_id)
     if as_json:
         print_json({"picture": str(target)})
     else:

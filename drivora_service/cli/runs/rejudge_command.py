@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.application.references import ids_of
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
 from drivora_service.cli.terminal.output import JsonOption, print_json, print_table
 from drivora_service.errors import ConfigurationError
+from drivora_service.store.id_records import IdKind
 
 if TYPE_CHECKING:
     from drivora_service.cli.runs.rejudging import Rejudge, Rejudged
@@ -26,7 +28,7 @@ def rejudge(
         typer.Argument(
             metavar="TRACE…|FOLDER|RUN",
             help="Trace files (.parquet), folders of them, data folders or folders in them, or "
-            "ids of runs.",
+            "runs (id, first digits of it, name, or latest), or CAMPAIGN-EVALUATION.",
         ),
     ],
     server: ServerOption = "",
@@ -68,8 +70,7 @@ def _rejudge(things: Sequence[str], server: str, data_dir: Path | None) -> Itera
     for thing in dict.fromkeys(things):
         path = Path(thing)
         if not path.exists():
-            if "/" in thing or "." in thing:
-                # No id has such characters.
+            if "/" in thing or path.suffix == ".parquet":
                 raise ConfigurationError(f"there is no file {path}")
             run_ids.append(thing)
         elif (folder := find_data_folder(path, settings)) is not None:
@@ -88,7 +89,8 @@ def _rejudge(things: Sequence[str], server: str, data_dir: Path | None) -> Itera
     if run_ids:
         # With --server the data folder is for imported networks.
         with open_client(server, None if server else data_dir) as client:
-            yield from rejudge_runs(client, tuple(map(StoredRun, run_ids)), judge)
+            chosen = ids_of(client, run_ids, IdKind.RUN)
+            yield from rejudge_runs(client, tuple(map(StoredRun, chosen)), judge)
 
 
 def _judge(settings: Settings) -> Rejudge:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.application.references import id_of, ids_of
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import (
     DataDirOption,
@@ -18,19 +19,38 @@ from drivora_service.cli.terminal.options import (
     location,
 )
 from drivora_service.cli.terminal.out_option import check_folder
-from drivora_service.cli.terminal.output import JsonOption, print_json
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 from drivora_service.cli.terminal.run_progress import run_progress
 from drivora_service.errors import ConfigurationError
+from drivora_service.store.id_records import IdKind
 
 if TYPE_CHECKING:
     from drivora_service.suites.replay.replay_records import Replay
 
 
+@with_forms
 def replay(
-    runs: Annotated[list[str] | None, typer.Argument(metavar="[RUN…]", help="Ids of runs.")] = None,
-    batch: Annotated[str, typer.Option(metavar="ID", help="All runs of this batch.")] = "",
+    runs: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[RUN…]",
+            help="Runs (id, first digits of it, name, or latest), or CAMPAIGN-EVALUATION.",
+        ),
+    ] = None,
+    batch: Annotated[
+        str,
+        typer.Option(
+            metavar="BATCH",
+            help="All runs of this batch (id, first digits of it, name, or latest).",
+        ),
+    ] = "",
     campaign: Annotated[
-        str, typer.Option(metavar="ID", help="The runs of all failures of this campaign.")
+        str,
+        typer.Option(
+            metavar="CAMPAIGN",
+            help="The runs of all failures of this campaign (id, first digits of it, name, or "
+            "latest).",
+        ),
     ] = "",
     out: Annotated[
         Path | None,
@@ -39,7 +59,7 @@ def replay(
     workers: WorkersOption = None,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Runs stored runs again and compares them: hash and frames, bit for bit.
 
@@ -54,7 +74,11 @@ def replay(
     with open_client(server, data_dir, works=True, workers=workers) as client:
         from drivora_service.cli.runs.replay_running import choose_runs, read_originals, replay_runs
 
-        chosen = choose_runs(client, runs or (), batch=batch, campaign=campaign)
+        batch = id_of(client, batch, IdKind.BATCH)
+        campaign = id_of(client, campaign, IdKind.CAMPAIGN)
+        chosen = choose_runs(
+            client, ids_of(client, runs or (), IdKind.RUN), batch=batch, campaign=campaign
+        )
         originals = read_originals(client, chosen)
         with _progress(len(chosen)) as step:
             done = replay_runs(
@@ -67,10 +91,11 @@ def replay(
             )
     from drivora_service.suites.replay.replay_records import Replay, ReplayOutcome
 
-    if as_json:
+    if not form.is_table:
         from drivora_service.shapes import adapter
 
-        print_json({"runs": adapter(list[Replay]).dump_python(done, mode="json")})
+        told = adapter(list[Replay]).dump_python(done, mode="json")
+        form.print_content({"runs": told}, told, id_field="replay.id")
     else:
         from drivora_service.cli.runs.replay_output import print_replays
 

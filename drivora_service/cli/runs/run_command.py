@@ -22,7 +22,8 @@ from drivora_service.cli.terminal.options import (
     parse_counts,
 )
 from drivora_service.cli.terminal.out_option import check_folder
-from drivora_service.cli.terminal.output import JsonOption, fail, note, print_json
+from drivora_service.cli.terminal.output import fail, note
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 from drivora_service.cli.terminal.run_progress import run_progress
 from drivora_service.errors import ConfigurationError
 
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 _MAX_SEED = 2**31 - 1
 
 
+@with_forms
 def run(
     scenarios: Annotated[
         list[Path],
@@ -77,7 +79,7 @@ def run(
     counts: PostedCountsOption = None,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Runs scenarios and judges them; exits with 3 if any could not be run to its end.
 
@@ -122,9 +124,11 @@ def run(
                 on_posted=batches.append,
             )
     batch_id = "".join(batches)
-    if as_json:
+    if not form.is_table:
         told = [result.content() for result in done]
-        print_json(told[0] if len(told) == 1 else {"batch_id": batch_id, "runs": told})
+        form.print_content(
+            told[0] if len(told) == 1 else {"batch_id": batch_id, "runs": told}, told
+        )
     elif len(done) == 1:
         run_output.print_result(done[0], where=where)
     else:

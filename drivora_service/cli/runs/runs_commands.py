@@ -8,15 +8,22 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
-from drivora_service.cli.terminal.options import (
+from drivora_service.cli.application.references import (
+    BatchOption,
     ConfigurationOption,
+    RunArgument,
+    id_of,
+)
+from drivora_service.cli.terminal.options import (
     DataDirOption,
     ServerOption,
     location,
     parse_choice,
 )
 from drivora_service.cli.terminal.out_option import check_file
-from drivora_service.cli.terminal.output import JsonOption, find_entry, print_shape, write_text
+from drivora_service.cli.terminal.output import find_entry, write_text
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
+from drivora_service.store.id_records import IdKind
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,12 +32,11 @@ if TYPE_CHECKING:
 
 app = typer.Typer(help="Runs that are stored.", no_args_is_help=True)
 
-IdArgument = Annotated[str, typer.Argument(metavar="RUN", help="Id of a run.")]
-
 
 @app.command("list")
+@with_forms
 def list_runs(
-    batch: Annotated[str, typer.Option(metavar="ID", help="Of this batch.")] = "",
+    batch: BatchOption = "",
     status: Annotated[
         list[str] | None,
         typer.Option(metavar="STATUS", help="With this status; may be repeated."),
@@ -46,7 +52,7 @@ def list_runs(
     limit: Annotated[int, typer.Option(min=1, max=10_000, help="How many.")] = 50,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Lists runs, newest first."""
     with open_client(server, data_dir) as client:
@@ -54,10 +60,10 @@ def list_runs(
         from drivora_service.store.runs.run_records import JobFilter, RunSummary
 
         wanted = JobFilter(
-            batch_id=batch,
+            batch_id=id_of(client, batch, IdKind.BATCH),
             statuses=_statuses(status or ()),
             agent=agent,
-            configuration_id=configuration,
+            configuration_id=id_of(client, configuration, IdKind.CONFIGURATION),
             town=town,
             oracle=oracle,
             violated=violated,
@@ -66,34 +72,35 @@ def list_runs(
         if oracle and not runs:
             # Runs may have verdicts of an oracle that is not installed any more.
             find_entry("oracle", oracle, client.oracles().items)
-    if as_json:
-        print_shape(tuple[RunSummary, ...], runs)
-    else:
+    if form.is_table:
         print_runs(runs)
+    else:
+        form.print_shape(tuple[RunSummary, ...], runs)
 
 
 @app.command()
+@with_forms
 def show(
-    run_id: IdArgument,
+    run: RunArgument,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Shows a run with its verdicts."""
     with open_client(server, data_dir) as client:
-        run = client.run(run_id)
-    if as_json:
-        print_shape(type(run), run)
-    else:
-        from drivora_service.cli.runs.run_output import ScenarioResult, print_result
+        found = client.run(id_of(client, run, IdKind.RUN))
+    if not form.is_table:
+        form.print_shape(type(found), found)
+        return
+    from drivora_service.cli.runs.run_output import ScenarioResult, print_result
 
-        result = ScenarioResult(scenario=run.label or run.id, run=run)
-        print_result(result, where=location(server, data_dir))
+    result = ScenarioResult(scenario=found.label or found.id, run=found)
+    print_result(result, where=location(server, data_dir))
 
 
 @app.command()
 def scenario(
-    run_id: IdArgument,
+    run: RunArgument,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Where to write it [default: print it].")
     ] = None,
@@ -103,7 +110,7 @@ def scenario(
     """Prints what a run has driven as a scenario, for `drivora run`."""
     check_file(out)
     with open_client(server, data_dir) as client:
-        text = client.run_scenario(run_id)
+        text = client.run_scenario(id_of(client, run, IdKind.RUN))
     write_text(text, out)
 
 

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.application.references import ConfigurationOption, id_of, ids_of
 from drivora_service.cli.service.table_files import TableFormat, save_tables
-from drivora_service.cli.terminal.options import ConfigurationOption, DataDirOption, ServerOption
+from drivora_service.cli.terminal.options import DataDirOption, ServerOption
 from drivora_service.cli.terminal.out_option import check_folder
 from drivora_service.cli.terminal.output import find_entry
+from drivora_service.store.id_records import IdKind
 
 if TYPE_CHECKING:
     from drivora_service.client import Client
@@ -22,20 +24,28 @@ def export(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Write the tables there.")],
     batches: Annotated[
         list[str] | None,
-        typer.Option("--batch", metavar="ID", help="Runs of this batch; may be repeated."),
+        typer.Option(
+            "--batch",
+            metavar="BATCH",
+            help="Runs of this batch (id, first digits of it, name, or latest); may be repeated.",
+        ),
     ] = None,
     campaigns: Annotated[
         list[str] | None,
         typer.Option(
             "--campaign",
-            metavar="ID|NAME",
-            help="Runs of this campaign, or of those that a pattern of names fits; may be "
-            "repeated.",
+            metavar="CAMPAIGN",
+            help="Runs of this campaign (id, first digits of it, name, or latest), or of those "
+            "that a pattern of names fits; may be repeated.",
         ),
     ] = None,
     studies: Annotated[
         list[str] | None,
-        typer.Option("--study", metavar="ID", help="Runs of this study; may be repeated."),
+        typer.Option(
+            "--study",
+            metavar="STUDY",
+            help="Runs of this study (id, first digits of it, name, or latest); may be repeated.",
+        ),
     ] = None,
     agent: Annotated[str, typer.Option(metavar="NAME", help="Only runs of this agent.")] = "",
     configuration: ConfigurationOption = "",
@@ -57,36 +67,23 @@ def export(
 
         if agent:
             _check_agent(client, agent)
-        if configuration:
-            _check_configuration(client, configuration)
+        configuration_id = id_of(client, configuration, IdKind.CONFIGURATION)
+        batch_ids = ids_of(client, batches or (), IdKind.BATCH)
+        study_ids = ids_of(client, studies or (), IdKind.STUDY)
 
         def save(path: Path, table: ResultTableName, form: TableForm) -> None:
             client.save_result_table(
                 path,
                 table,
-                batches=batches or (),
+                batches=batch_ids,
                 campaigns=campaigns or (),
-                studies=studies or (),
-                wanted=JobFilter(agent=agent, configuration_id=configuration),
+                studies=study_ids,
+                wanted=JobFilter(agent=agent, configuration_id=configuration_id),
                 form=form,
             )
 
         chosen = tuple(dict.fromkeys(formats or TableFormat))
         save_tables(out, ResultTableName, save, formats=chosen)
-
-
-def _check_configuration(client: Client, configuration_id: str) -> None:
-    """Checks that an agent with these parameters has driven a run.
-
-    Raises:
-        UnknownName: None has.
-    """
-    from drivora_service.errors import UnknownName
-
-    known = [one.id for one in client.run_counts().configurations]
-    known += [one.configuration_id for one in client.campaigns() if one.configuration_id]
-    if configuration_id not in known:
-        raise UnknownName("configuration", configuration_id, tuple(dict.fromkeys(known)))
 
 
 def _check_agent(client: Client, agent: str) -> None:

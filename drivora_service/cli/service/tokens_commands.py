@@ -10,6 +10,7 @@ import typer
 
 from drivora_service.cli.terminal.options import DataDirOption
 from drivora_service.cli.terminal.output import JsonOption, print_json, print_table
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 
 if TYPE_CHECKING:
     from drivora_service.api.guards.api_tokens import TokenFile
@@ -47,7 +48,8 @@ def create(
 
 
 @app.command("list")
-def list_tokens(data_dir: DataDirOption = None, as_json: JsonOption = False) -> None:
+@with_forms
+def list_tokens(data_dir: DataDirOption = None, form: Form = TABLE) -> None:
     """Lists the tokens, without their secrets."""
     rows = [
         {
@@ -57,8 +59,8 @@ def list_tokens(data_dir: DataDirOption = None, as_json: JsonOption = False) -> 
         }
         for token in _tokens(data_dir).all()
     ]
-    if as_json:
-        print_json(rows)
+    if not form.is_table:
+        form.print_content(rows)
     else:
         print_table("", ("name", "scope", "created"), (tuple(row.values()) for row in rows))
 

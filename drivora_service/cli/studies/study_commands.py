@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.application.references import StudyArgument, id_of
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.error_printing import ErrorPrinter
 from drivora_service.cli.terminal.interruption import say_interrupted
@@ -21,8 +22,10 @@ from drivora_service.cli.terminal.options import (
     location,
 )
 from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
-from drivora_service.cli.terminal.output import JsonOption, note, print_json, print_shape
+from drivora_service.cli.terminal.output import JsonOption, note, print_shape
+from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 from drivora_service.errors import ConfigurationError, InvalidDocument, ServiceError
+from drivora_service.store.id_records import IdKind
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.studies import Study
@@ -32,13 +35,13 @@ app = typer.Typer(
     help="Runs campaigns by scenarios, agents, methods and repetitions.", no_args_is_help=True
 )
 
-IdArgument = Annotated[str, typer.Argument(metavar="ID", help="Id of a study.")]
 DetachOption = Annotated[
     bool, typer.Option("--detach", help="With --server: do not wait until it has ended.")
 ]
 
 
 @app.command()
+@with_forms
 def run(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A study, as YAML or JSON.")],
     workers: WorkersOption = None,
@@ -47,7 +50,7 @@ def run(
     detach: DetachOption = False,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Runs a study; an interrupt (Ctrl-C) pauses it, and then exits with 3.
 
@@ -68,19 +71,20 @@ def run(
         for remark in study.notes:
             note(f"note: {remark}")
         note(f"study {study.id}")
-        _finish(client, study, server, data_dir, detach=detach, as_json=as_json)
+        _finish(client, study, server, data_dir, detach=detach, form=form)
 
 
 @app.command()
+@with_forms
 def resume(
-    study_id: IdArgument,
+    study: StudyArgument,
     workers: WorkersOption = None,
     executor: ExecutorOption = None,
     ray_address: RayAddressOption = None,
     detach: DetachOption = False,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Resumes a study that was paused, failed or killed, as if it had not been interrupted."""
     _refuse_detaching(detach, server)
@@ -93,16 +97,17 @@ def resume(
         ray_address=ray_address,
         on_error=ErrorPrinter(),
     ) as client:
-        study = client.resume_study(study_id)
-        _finish(client, study, server, data_dir, detach=detach, as_json=as_json)
+        resumed = client.resume_study(id_of(client, study, IdKind.STUDY))
+        _finish(client, resumed, server, data_dir, detach=detach, form=form)
 
 
 @app.command("list")
+@with_forms
 def list_studies(
     limit: Annotated[int, typer.Option(min=1, max=1000, help="How many.")] = 50,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Lists studies, newest first."""
     with open_client(server, data_dir) as client:
@@ -110,51 +115,54 @@ def list_studies(
     from drivora_service.api.schemas.studies import StudyInList
     from drivora_service.cli.studies.study_output import print_studies
 
-    if as_json:
-        print_shape(tuple[StudyInList, ...], studies)
-    else:
+    if form.is_table:
         print_studies(studies)
+    else:
+        form.print_shape(tuple[StudyInList, ...], studies)
 
 
 @app.command()
+@with_forms
 def show(
-    study_id: IdArgument,
+    study: StudyArgument,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Shows a study, and what its campaigns have found by scenario, agent and method."""
     with open_client(server, data_dir) as client:
-        _show(client, client.study(study_id), as_json=as_json)
+        _show(client, client.study(id_of(client, study, IdKind.STUDY)), form)
 
 
 @app.command()
+@with_forms
 def pause(
-    study_id: IdArgument,
+    study: StudyArgument,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Pauses the campaigns of a study, whichever process runs them."""
     with open_client(server, data_dir) as client:
-        _say_state(client.pause_study(study_id), as_json=as_json)
+        _say_state(client.pause_study(id_of(client, study, IdKind.STUDY)), form)
 
 
 @app.command()
+@with_forms
 def cancel(
-    study_id: IdArgument,
+    study: StudyArgument,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Cancels the campaigns of a study that are not over permanently; what was found stays."""
     with open_client(server, data_dir) as client:
-        _say_state(client.cancel_study(study_id), as_json=as_json)
+        _say_state(client.cancel_study(id_of(client, study, IdKind.STUDY)), form)
 
 
 @app.command()
 def compare(
-    study_id: IdArgument,
+    study: StudyArgument,
     baseline_method: Annotated[
         str, typer.Option(metavar="METHOD", help="Baseline method [default: random, or the first].")
     ] = "",
@@ -178,7 +186,7 @@ def compare(
     check_folder(out)
     with open_client(server, data_dir) as client:
         comparison = client.compare_study(
-            study_id,
+            id_of(client, study, IdKind.STUDY),
             baseline_method=baseline_method,
             baseline_agent=baseline_agent,
             measures=tuple(dict.fromkeys(measures or ())),
@@ -201,7 +209,7 @@ def compare(
 
 @app.command()
 def export(
-    study_id: IdArgument,
+    study: StudyArgument,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Write the tables there.")],
     server: ServerOption = "",
     data_dir: DataDirOption = None,
@@ -212,6 +220,7 @@ def export(
     from drivora_service.studies.table_names import TableForm, TableName
 
     with open_client(server, data_dir) as client:
+        study_id = id_of(client, study, IdKind.STUDY)
 
         def save(path: Path, table: TableName, form: TableForm) -> None:
             client.save_study_table(path, study_id, table, form=form)
@@ -251,15 +260,15 @@ def _finish(
     data_dir: Path | None,
     *,
     detach: bool,
-    as_json: bool,
+    form: Form,
 ) -> None:
     """Follows a study to its end, and shows it."""
     from drivora_service.cli.studies.study_display import study_display
     from drivora_service.store.campaigns.study_records import StudyState
 
     if detach:
-        if as_json:
-            _show(client, study, as_json=True)
+        if not form.is_table:
+            _show(client, study, form)
         return
     where = f"{study.id} {location(server, data_dir)}".rstrip()
     is_interrupted = False
@@ -277,7 +286,7 @@ def _finish(
         # It has been stored, whatever has become of it.
         note(f"study {study.id}: drivora study show {where}")
         raise
-    _show(client, study, as_json=as_json)
+    _show(client, study, form)
     if study.state is StudyState.FINISHED:
         return
     if is_interrupted and study.state is StudyState.PAUSED:
@@ -291,19 +300,19 @@ def _finish(
     raise typer.Exit(ExitCode.NOT_DONE)
 
 
-def _say_state(study: Study, *, as_json: bool) -> None:
-    if as_json:
-        print_shape(type(study), study)
+def _say_state(study: Study, form: Form) -> None:
+    if not form.is_table:
+        form.print_shape(type(study), study)
         return
     requested = f", {study.request} requested" if study.state.is_active else ""
     typer.echo(f"study {study.id} is {study.state}{requested}")
 
 
-def _show(client: Client, study: Study, *, as_json: bool) -> None:
+def _show(client: Client, study: Study, form: Form) -> None:
     from drivora_service.cli.studies.study_output import print_study, study_content
 
     campaigns = tuple(client.campaigns(study_id=study.id))
-    if as_json:
-        print_json(study_content(study, campaigns))
-    else:
+    if form.is_table:
         print_study(study, campaigns)
+    else:
+        form.print_content(study_content(study, campaigns))

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
+from drivora_service.cli.application.references import ConfigurationOption, id_of
 from drivora_service.cli.terminal.options import (
     AgentParameterOption,
-    ConfigurationOption,
     DataDirOption,
     ServerOption,
     WorkersOption,
@@ -18,7 +18,9 @@ from drivora_service.cli.terminal.options import (
 )
 from drivora_service.cli.terminal.out_option import check_file, write_result
 from drivora_service.cli.terminal.output import JsonOption, note, print_json, print_table
+from drivora_service.cli.terminal.output_forms import TABLE, Form, FormKind, with_forms
 from drivora_service.cli.terminal.run_progress import run_progress
+from drivora_service.store.id_records import IdKind
 
 if TYPE_CHECKING:
     from drivora_service.cli.suites.suite_files import KnownNames
@@ -83,6 +85,7 @@ PicturesOption = Annotated[
 
 
 @app.command()
+@with_forms
 def run(
     suite: SuiteArgument,
     agent: Annotated[
@@ -124,7 +127,7 @@ def run(
     workers: WorkersOption = None,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Runs a suite and decides; exits with 1 if the gate fails, with 3 if a run was not judged."""
     from drivora_service.cli.suites.suite_decisions import (
@@ -176,12 +179,11 @@ def run(
             done = run_suite(client, read, chosen, order, shard=part, on_run=lambda: count("runs"))
         done = confirm_changes(client, read, done, order, gate, accepted)
         made = decide_and_report(client, done, read, gate, baseline, files)
-        if part is None:
-            post_decision(client, made)
+        suite_run_id = post_decision(client, made) if part is None else ""
         # What was not run stays as it was, unless the suite no longer has it.
         not_run = read.by_name.keys() - done.scenarios.keys()
         remember_failed(suite, failed_names(made), not_run=not_run)
-    print_and_exit(made, as_json=as_json, judges=part is None)
+    print_and_exit(made, form, judges=part is None, suite_run_id=suite_run_id)
 
 
 @app.command("gate")
@@ -222,7 +224,7 @@ def judge(
     for remark in check_results(done, read):
         note(f"note: {remark}")
     made = decide_and_report(None, done, read, gate, baseline, files)
-    print_and_exit(made, as_json=as_json, judges=True)
+    print_and_exit(made, Form(FormKind.JSON) if as_json else TABLE, judges=True)
 
 
 @app.command("baseline")
@@ -294,6 +296,7 @@ def accept(
 
 
 @app.command()
+@with_forms
 def history(
     suite: Annotated[
         str, typer.Argument(metavar="NAME", help="Name of a suite that was run; none: all of them.")
@@ -303,34 +306,37 @@ def history(
     runs: Annotated[int, typer.Option(min=1, max=200, help="Number of runs, the last ones.")] = 10,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Shows the last runs of a suite, and how its scenarios went; without a name, all suites."""
-    from drivora_service.cli.terminal.output import print_shape
-
     with open_client(server, data_dir) as client:
         from drivora_service.cli.suites.suite_history import print_history, print_suites
+        from drivora_service.shapes import adapter
 
         if not suite:
             suites = client.suites()
-            if as_json:
-                print_shape(type(suites), suites)
-            else:
+            if form.is_table:
                 print_suites(suites.items)
+            else:
+                told = adapter(type(suites)).dump_python(suites, mode="json")
+                form.print_content(told, told["items"], id_field="last.id")
             return
-        found = client.suite_history(suite, agent=agent, configuration=configuration, runs=runs)
-    if as_json:
-        print_shape(type(found), found)
-    else:
+        configuration_id = id_of(client, configuration, IdKind.CONFIGURATION)
+        found = client.suite_history(suite, agent=agent, configuration=configuration_id, runs=runs)
+    if form.is_table:
         print_history(found)
+    else:
+        told = adapter(type(found)).dump_python(found, mode="json")
+        form.print_content(told, told["runs"])
 
 
 @app.command("list")
+@with_forms
 def list_scenarios(
     suite: SuiteArgument,
     select: SelectOption = "",
     tag: TagOption = None,
-    as_json: JsonOption = False,
+    form: Form = TABLE,
 ) -> None:
     """Lists the scenarios of a suite with their tags and their difficulty; nothing is run."""
     from drivora_service.cli.scenarios.file_problems import read_or_exit
@@ -341,8 +347,8 @@ def list_scenarios(
     names = names_of_installation()
     read = read_or_exit(suite, lambda: read_suite_path(suite, names))
     chosen = choose(read.scenarios, expression=select, tags=tag or ())
-    if as_json:
-        print_json(
+    if not form.is_table:
+        form.print_content(
             [
                 {
                     "scenario": one.name,
@@ -353,7 +359,8 @@ def list_scenarios(
                     "passed_by": list(one.difficulty.passed_by) if one.difficulty else [],
                 }
                 for one in chosen
-            ]
+            ],
+            id_field="scenario",
         )
         return
     print_scenarios(list(chosen))

@@ -18,7 +18,8 @@ from drivora_service.cli.suites.suite_reports import (
     write_reports,
 )
 from drivora_service.cli.suites.suite_running import SuiteOrder, run_again
-from drivora_service.cli.terminal.output import note, print_json
+from drivora_service.cli.terminal.output import note
+from drivora_service.cli.terminal.output_forms import Form
 from drivora_service.cli.terminal.run_progress import run_progress
 from drivora_service.client import Client
 from drivora_service.errors import DrivoraError
@@ -114,29 +115,36 @@ def decide_and_report(
     return report
 
 
-def post_decision(client: Client, report: SuiteReport) -> None:
+def post_decision(client: Client, report: SuiteReport) -> str:
     """Has the application or service keep what was decided, for the history of the suite.
 
     A service that cannot, such as one of an older version, loses nothing of the decision.
+
+    Returns:
+        Id of the run of the suite; "" if it is not kept.
     """
     try:
-        client.post_suite_run(decision_of(report), outcomes_of(report))
+        return client.post_suite_run(decision_of(report), outcomes_of(report)).id
     except DrivoraError as error:
         note(f"note: the decision is not in the history of the suite: {error}")
+        return ""
 
 
-def print_and_exit(report: SuiteReport, *, as_json: bool, judges: bool) -> None:
+def print_and_exit(
+    report: SuiteReport, form: Form, *, judges: bool, suite_run_id: str = ""
+) -> None:
     """Prints a report and ends the command with the exit code of its decision.
 
     Args:
         report: The report.
-        as_json: Whether JSON is printed instead of tables.
+        form: The form in which it is printed.
         judges: Whether the gate decides; a shard by itself is not judged.
+        suite_run_id: Id under which the decision is kept; "": it is not.
     """
-    if as_json:
-        print_json(report_content(report))
-    else:
+    if form.is_table:
         print_report(report)
+    else:
+        form.print_content({**report_content(report), "id": suite_run_id})
     if report.decision.unfinished and judges:
         unjudged = len(report.decision.unfinished)
         note(f"{unjudged} runs were not judged")

@@ -52,14 +52,6 @@ AgentParameterOption = Annotated[
         "value that is no JSON is text.",
     ),
 ]
-ConfigurationOption = Annotated[
-    str,
-    typer.Option(
-        "--configuration",
-        metavar="ID",
-        help="Of the agents with all their parameters that have this id; `runs show` prints it.",
-    ),
-]
 CountsOption = Annotated[
     str | None,
     typer.Option(

@@ -6,14 +6,11 @@ import json
 import sys
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
+from typing import Annotated, Any, Protocol, TypeVar
 
 import typer
 
 from drivora_service.errors import UnknownName
-
-if TYPE_CHECKING:
-    from pydantic import BaseModel
 
 
 class Named(Protocol):
@@ -32,7 +29,7 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for program
 
 def print_json(value: Any) -> None:
     """Prints one JSON value; numbers that are not finite become null."""
-    json.dump(_finite(value), sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
+    json.dump(finite(value), sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
     sys.stdout.write("\n")
 
 
@@ -41,11 +38,6 @@ def print_shape(kind: Any, value: object) -> None:
     from drivora_service.shapes import adapter
 
     print_json(adapter(kind).dump_python(value, mode="json"))
-
-
-def print_models(models: Sequence[BaseModel]) -> None:
-    """Prints the entries of a catalogue as the JSON that the API has for them."""
-    print_json([model.model_dump(mode="json") for model in models])
 
 
 def find_entry(kind: str, name: str, entries: Iterable[Entry]) -> Entry:
@@ -139,11 +131,12 @@ def number(value: float | None, digits: int = 1) -> str:
     return "-" if value is None else f"{value:.{digits}f}"
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
+    """Returns a JSON value with null in place of numbers that are not finite."""
     if isinstance(value, float):
         return value if value - value == 0.0 else None
     if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
+        return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
+        return [finite(item) for item in value]
     return value
