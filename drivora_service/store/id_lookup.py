@@ -7,28 +7,18 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC
 from difflib import get_close_matches
-from typing import Any
 
-from sqlalchemy import ColumnElement, func, select
-from sqlalchemy.orm import InstrumentedAttribute, Session
+from sqlalchemy.orm import Session
 
 from drivora_service.errors import AmbiguousName, UnknownName
-from drivora_service.store.campaigns.campaign_tables import CampaignRow, StudyRow
 from drivora_service.store.campaigns.evaluation_runs import EvaluationId
-from drivora_service.store.failures.failure_records import FoundFilter
-from drivora_service.store.failures.group_lists import GroupRepository
-from drivora_service.store.failures.group_records import GroupFilter
+from drivora_service.store.id_queries import IdQueries, queries_of
 from drivora_service.store.id_records import LATEST, FoundId, IdKind
-from drivora_service.store.minimizations.minimization_tables import MinimizationRow
-from drivora_service.store.runs.batch_repository import SINGLE_JOBS
-from drivora_service.store.runs.run_tables import BatchRow, RunRow
-from drivora_service.store.suites.suite_tables import SuiteRunRow
 
 _MOST_NAMED = 10
 """Number of candidates that an error lists."""
 _MOST_SEARCHED, _MOST_NEAR = 200, 3
 """Number of the newest names in which similar ones are sought, and of those that are shown."""
-_GROUPS_OF_A_PAGE = 500
 
 _PREFIX = re.compile(r"[0-9a-f]{1,24}")
 _EVALUATION = re.compile(r"(?P<campaign>.+)-(?P<number>\d{1,9})")
@@ -107,7 +97,7 @@ def find_id(
         UnknownName: None fits.
         AmbiguousName: Several have this name, or ids that begin so.
     """
-    lookups = [_lookup(session, kind) for kind in kinds]
+    lookups = [queries_of(session, kind) for kind in kinds]
     found = _first(one for lookup in lookups for one in lookup.of_id(wanted))
     if found is None and wanted == LATEST:
         newest = [one for lookup in lookups for one in lookup.newest(1)]
@@ -125,163 +115,19 @@ def find_id(
     return found
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Lookup:
-    """Queries of one kind; of many results, the newest come first."""
-
-    session: Session
-    kind: IdKind
-
-    def of_id(self, wanted: str) -> Sequence[FoundId]:
-        raise NotImplementedError
-
-    def of_name(self, wanted: str) -> Sequence[FoundId]:
-        raise NotImplementedError
-
-    def of_prefix(self, wanted: str) -> Sequence[FoundId]:
-        raise NotImplementedError
-
-    def newest(self, limit: int) -> Sequence[FoundId]:
-        raise NotImplementedError
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Rows(_Lookup):
-    """Of a kind with a table of its own."""
-
-    row: Any
-    name: InstrumentedAttribute[str] | None
-    conditions: tuple[ColumnElement[bool], ...] = ()
-
-    def of_id(self, wanted: str) -> Sequence[FoundId]:
-        return self._select(1, self.row.id == wanted)
-
-    def of_name(self, wanted: str) -> Sequence[FoundId]:
-        return () if self.name is None else self._select(_MOST_NAMED + 1, self.name == wanted)
-
-    def of_prefix(self, wanted: str) -> Sequence[FoundId]:
-        # A range, which every index answers; "g" comes after all hexadecimal digits.
-        between = (self.row.id >= wanted, self.row.id < f"{wanted}g")
-        return self._select(_MOST_NAMED + 1, *between)
-
-    def newest(self, limit: int) -> Sequence[FoundId]:
-        return self._select(limit)
-
-    def _select(self, limit: int, *conditions: ColumnElement[bool]) -> Sequence[FoundId]:
-        columns = [self.row.id, self.row.created_at] + ([self.name] if self.name else [])
-        rows = self.session.execute(
-            select(*columns)
-            .where(*self.conditions, *conditions)
-            .order_by(self.row.seq.desc())
-            .limit(limit)
-        )
-        return [
-            FoundId(kind=self.kind, id=id_, name="".join(name), created_at=created)
-            for id_, created, *name in rows
-        ]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Listed(_Lookup):
-    """Of a kind that has few, without a table of their own: all of them, the newest first.
-
-    Attributes:
-        things: All of them.
-        names: The names of each, the one that is shown first.
-    """
-
-    things: Sequence[FoundId]
-    names: Sequence[Sequence[str]]
-
-    def of_id(self, wanted: str) -> Sequence[FoundId]:
-        return [one for one in self.things if one.id == wanted]
-
-    def of_name(self, wanted: str) -> Sequence[FoundId]:
-        pairs = zip(self.things, self.names, strict=True)
-        return [one for one, names in pairs if wanted in names]
-
-    def of_prefix(self, wanted: str) -> Sequence[FoundId]:
-        return [one for one in self.things if one.id.startswith(wanted)]
-
-    def newest(self, limit: int) -> Sequence[FoundId]:
-        return self.things[:limit]
-
-
-def _lookup(session: Session, kind: IdKind) -> _Lookup:
-    match kind:
-        case IdKind.RUN:
-            return _Rows(session=session, kind=kind, row=RunRow, name=RunRow.label)
-        case IdKind.BATCH:
-            shown = ~BatchRow.id.startswith(SINGLE_JOBS)
-            return _Rows(
-                session=session, kind=kind, row=BatchRow, name=BatchRow.name, conditions=(shown,)
-            )
-        case IdKind.CAMPAIGN:
-            return _Rows(session=session, kind=kind, row=CampaignRow, name=CampaignRow.name)
-        case IdKind.STUDY:
-            return _Rows(session=session, kind=kind, row=StudyRow, name=StudyRow.name)
-        case IdKind.SUITE_RUN:
-            return _Rows(session=session, kind=kind, row=SuiteRunRow, name=SuiteRunRow.suite)
-        case IdKind.MINIMIZATION:
-            return _Rows(session=session, kind=kind, row=MinimizationRow, name=None)
-        case IdKind.FAILURE_GROUP:
-            return _groups(session)
-        case IdKind.CONFIGURATION:
-            return _configurations(session)
-
-
-def _groups(session: Session) -> _Listed:
-    """Returns all groups of failures, the last seen first, by their labels and names."""
-    every = GroupFilter(failures=FoundFilter(all_kept=True))
-    things, names, token = [], [], ""
-    while True:
-        page = GroupRepository(session).page(every, limit=_GROUPS_OF_A_PAGE, page_token=token)
-        for one in page.items:
-            shown = one.label or "; ".join(one.names)
-            things.append(
-                FoundId(kind=IdKind.FAILURE_GROUP, id=one.id, name=shown, created_at=one.last_seen)
-            )
-            names.append((shown, *one.names))
-        token = page.next_page_token
-        if not token:
-            return _Listed(session=session, kind=IdKind.FAILURE_GROUP, things=things, names=names)
-
-
-def _configurations(session: Session) -> _Listed:
-    """Returns the configurations that have driven runs or campaigns, the last used first."""
-    last: dict[str, FoundId] = {}
-    for row in (RunRow, CampaignRow):
-        query = (
-            select(row.configuration_id, row.configuration, func.max(row.created_at))
-            .where(row.configuration_id != "")
-            .group_by(row.configuration_id, row.configuration)
-        )
-        for id_, words, used in session.execute(query):
-            known = last.get(id_)
-            if known is None or used > known.created_at:
-                last[id_] = FoundId(kind=IdKind.CONFIGURATION, id=id_, name=words, created_at=used)
-    things = sorted(last.values(), key=lambda one: one.created_at, reverse=True)
-    return _Listed(
-        session=session,
-        kind=IdKind.CONFIGURATION,
-        things=things,
-        names=[(one.name,) for one in things],
-    )
-
-
 def _named(
-    kinds: Sequence[IdKind], wanted: str, lookups: Sequence[_Lookup], *, newest: bool
+    kinds: Sequence[IdKind], wanted: str, lookups: Sequence[IdQueries], *, newest: bool
 ) -> FoundId | None:
-    found = [one for lookup in lookups for one in lookup.of_name(wanted)]
+    found = [one for lookup in lookups for one in lookup.of_name(wanted, _MOST_NAMED + 1)]
     if newest:
         return max(found, key=lambda one: one.created_at, default=None)
     return _only(kinds, wanted, "the name of", found)
 
 
-def _of_prefix(lookups: Sequence[_Lookup], wanted: str) -> Iterator[FoundId]:
+def _of_prefix(lookups: Sequence[IdQueries], wanted: str) -> Iterator[FoundId]:
     if _PREFIX.fullmatch(wanted):
         for lookup in lookups:
-            yield from lookup.of_prefix(wanted)
+            yield from lookup.of_prefix(wanted, _MOST_NAMED + 1)
 
 
 def _evaluation(session: Session, kinds: Sequence[IdKind], wanted: str) -> FoundId | None:
@@ -329,22 +175,22 @@ def _only(
     )
 
 
-def _unknown(kinds: Sequence[IdKind], wanted: str, lookups: Sequence[_Lookup]) -> UnknownName:
+def _unknown(kinds: Sequence[IdKind], wanted: str, lookups: Sequence[IdQueries]) -> UnknownName:
     """Returns the error for a text that means nothing, with what might be meant."""
-    words = " or ".join(_KINDS[kind].words for kind in kinds)
+    words = _or(_KINDS[kind].words for kind in kinds)
     known = [one for lookup in lookups for one in lookup.newest(_MOST_SEARCHED)]
     if not known:
         return UnknownName(words, wanted, (), hint=f"There is no {words} yet: {_start(kinds)}")
     names = dict.fromkeys(one.name for one in known if one.name)
     near = _similar(wanted, names)
     if near:
-        hint = f"Did you mean {' or '.join(map(repr, near))}?"
+        hint = f"Did you mean {_or(map(repr, near))}?"
     else:
         newest = max(known, key=lambda one: one.created_at)
         hint = f"The newest is {newest.id}" + (f" ({newest.name})" if newest.name else "")
     listings = [f"`{_KINDS[kind].listing}`" for kind in kinds if _KINDS[kind].listing]
     if listings:
-        hint += f"{'' if near else ';'} {' or '.join(listings)} shows all"
+        hint += f"{'' if near else ';'} {_or(listings)} shows all"
     return UnknownName(words, wanted, (), hint=hint)
 
 
@@ -356,7 +202,13 @@ def _similar(wanted: str, names: Iterable[str]) -> list[str]:
 
 
 def _start(kinds: Sequence[IdKind]) -> str:
-    return ", or ".join(dict.fromkeys(_KINDS[kind].start for kind in kinds))
+    return _or(dict.fromkeys(_KINDS[kind].start for kind in kinds))
+
+
+def _or(texts: Iterable[str]) -> str:
+    """Returns texts as a choice: ``a, b or c``."""
+    *others, last = texts
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def _line(one: FoundId, *, with_kind: bool) -> str:

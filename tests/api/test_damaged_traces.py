@@ -199,6 +199,6 @@ def test_runs_of_a_service_are_judged_by_their_ids(recorded: Recorded) -> None:
     result = CliRunner().invoke(app, ["rejudge", *server, *run_ids])
     assert result.exit_code == 0, result.output
     assert "Traces: 2; compared: 2; changed: 0; damaged: 0" in result.output
-    unknown = CliRunner().invoke(app, ["rejudge", *server, "nosuch"])
+    unknown = CliRunner().invoke(app, ["rejudge", *server, "0" * 24])
     assert unknown.exit_code == 3
     assert "unknown run 'nosuch'" in unknown.output

@@ -267,7 +267,7 @@ def drivora(
         for name in ("tables", "found"):
             shutil.rmtree(tmp_path / name, ignore_errors=True)
         out, err = capfd.readouterr()
-        return Ended(ended.value.code or 0, _steady(out), _steady(err), tuple(asked))
+        return Ended(int(ended.value.code or 0), _steady(out), _steady(err), tuple(asked))
 
     return run
 

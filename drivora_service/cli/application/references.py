@@ -8,11 +8,13 @@ request.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from datetime import datetime
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drivora_service.errors import NotFound
 from drivora_service.store.id_records import IdKind, is_whole_id
 
 if TYPE_CHECKING:
@@ -86,8 +88,11 @@ def baseline_id(client: Client, wanted: str) -> str:
     Raises:
         NotFound: Nothing fits, or several things do.
     """
+    with suppress(ValueError):
+        if datetime.fromisoformat(wanted).tzinfo is not None:
+            return wanted
     try:
-        datetime.fromisoformat(wanted)
-    except ValueError:
         return id_of(client, wanted, IdKind.BATCH, IdKind.CAMPAIGN, IdKind.STUDY)
-    return wanted
+    except NotFound as error:
+        also = "A time such as 2026-11-20T08:00:00Z is a baseline, too"
+        raise NotFound(f"{error}\n{also}", status=error.status) from error
