@@ -201,4 +201,4 @@ def test_runs_of_a_service_are_judged_by_their_ids(recorded: Recorded) -> None:
     assert "Traces: 2; compared: 2; changed: 0; damaged: 0" in result.output
     unknown = CliRunner().invoke(app, ["rejudge", *server, "0" * 24])
     assert unknown.exit_code == 3
-    assert "unknown run 'nosuch'" in unknown.output
+    assert f"unknown run '{'0' * 24}'" in unknown.output

@@ -117,9 +117,9 @@ def test_traces_of_the_data_folder_are_judged_with_what_is_stored_of_their_runs(
     stray = drivora("rejudge", file.with_name(f"other{run_id[-2:]}.parquet"))
     assert stray.code == 0
     assert "not judged: no stored run has this trace" in stray.out
-    unknown = drivora("rejudge", "nosuch")
+    unknown = drivora("rejudge", "0" * 24)
     assert unknown.code == 3
-    assert "nosuch: unknown run 'nosuch'" in unknown.out
+    assert f"{'0' * 24}: unknown run '{'0' * 24}'" in unknown.out
 
 
 def test_other_folders_with_the_data_folder_around_them_are_those_of_commands(
