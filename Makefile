@@ -9,6 +9,7 @@ FAULT_TABLE ?=
 VENV := .venv
 BIN := $(VENV)/bin
 PIP ?= $(BIN)/python -m pip --disable-pip-version-check
+INSTALL := $(BIN)/python requirements/install.py $(PIP) install
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
 # The page is built by the Node that the build of the package requires; no other is used.
@@ -32,20 +33,23 @@ install: $(RUN_STAMP) $(PAGE_STAMP) ## Prepare .venv for running
 install-dev: $(DEV_STAMP) ## Prepare .venv with the development tools, too
 
 $(BIN)/python:
-	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Drivora needs Python 3.11 or newer: make PYTHON=python3.12 ...")'
-	$(PYTHON) -m venv $(VENV)
+	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Drivora needs Python 3.11 or newer: make PYTHON=python3.12 ...")'
+	@echo "Making $(VENV), an environment of Python"
+	@$(PYTHON) -m venv $(VENV)
 
+# Most modules of packages are never imported: compiling them all to bytecode takes twice the time of
+# installing them, and 300 MB with those for development. Those that are used are compiled then.
 $(RUN_STAMP): requirements/run.txt pyproject.toml | $(BIN)/python
-	$(PIP) install --quiet --require-hashes -r requirements/run.txt
+	@$(INSTALL) --no-compile --require-hashes -r requirements/run.txt
 # Before the installation, which would build it, too, but bury its errors in those of pip.
+	@echo "Building the web page"
 	@$(BIN)/python drivora_service/dashboard/build.py
-	$(PIP) install --quiet --no-deps --no-build-isolation --editable .
-	$(BIN)/python -m drivora_service.system_libraries
+	@$(INSTALL) --no-compile --no-deps --no-build-isolation --editable .
+	@$(BIN)/python -m drivora_service.system_libraries
 	@touch $@
 
-# Most of their modules are never imported: compiling them all takes a minute and 200 MB.
 $(DEV_STAMP): requirements/dev.txt $(RUN_STAMP)
-	$(PIP) install --quiet --no-compile --require-hashes -r requirements/dev.txt
+	@$(INSTALL) --no-compile --require-hashes -r requirements/dev.txt
 	@touch $@
 
 # Builds the page again if its sources have changed since the installation.

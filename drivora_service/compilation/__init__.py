@@ -7,6 +7,7 @@ kernel: the modules of oracles and agents are light to import for those that onl
 from drivora_service.compilation.kernel import (
     Kernel,
     compiled,
+    interpreted_kernels,
     is_compiler_loaded,
     load_compiler,
     specialize,
@@ -16,6 +17,7 @@ from drivora_service.compilation.kernel import (
 __all__ = [
     "Kernel",
     "compiled",
+    "interpreted_kernels",
     "is_compiler_loaded",
     "load_compiler",
     "specialize",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from importlib import import_module
 from typing import Any, TypeVar, cast
@@ -15,6 +16,8 @@ _MACHINE_CODE = "drivora_service.compilation.machine_code"
 
 _FEW = 5000
 """Calls of a kernel that take about as long without machine code as loading the compiler."""
+
+_interpreting = False
 
 
 class Kernel:
@@ -52,6 +55,8 @@ class Kernel:
 
     def __call__(self, *arguments: Any) -> Any:
         """Calls the machine code."""
+        if _interpreting:
+            return self.function(*arguments)
         return self.dispatcher(*arguments)
 
 
@@ -64,6 +69,22 @@ def compiled(function: Function) -> Function:
     return cast("Function", Kernel(function))
 
 
+@contextmanager
+def interpreted_kernels() -> Iterator[None]:
+    """Calls the Python functions of kernels meanwhile, in all threads of this process.
+
+    A process that simulates one scenario on a machine without machine code is done in a few
+    seconds, where the compiler alone takes half a minute. The last bits of results may differ from
+    those of machine code, and a division by zero raises: they are for a first look only.
+    """
+    global _interpreting
+    _interpreting = True
+    try:
+        yield
+    finally:
+        _interpreting = False
+
+
 def specialize(kernel: Function) -> Function:
     """Returns a faster way to call a kernel with arguments of the same types as in its last call.
 
@@ -72,6 +93,8 @@ def specialize(kernel: Function) -> Function:
     itself does not check them. A kernel that has been called with several combinations of types is
     returned as it is.
     """
+    if _interpreting:
+        return kernel
     # An ordered mapping hashes its keys to go through its values: the types of all arguments, which
     # takes as long as some steps.
     versions = list(dict.values(cast("Kernel", kernel).dispatcher.overloads))

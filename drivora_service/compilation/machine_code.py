@@ -8,6 +8,7 @@ own cache checks the file of the kernel alone.
 from __future__ import annotations
 
 import hashlib
+import os
 import sys
 from collections.abc import Callable
 from enum import Enum
@@ -17,12 +18,14 @@ from types import FunctionType
 from typing import Any
 
 from numba import config, njit
+from numba.core import event
 from numba.core.caching import (
     InTreeCacheLocator,
     UserProvidedCacheLocator,
     UserWideCacheLocator,
 )
 
+from drivora_service.compilation.compilation_progress import VARIABLE, note_kernel
 from drivora_service.compilation.kernel import Kernel
 
 _MARK = "drivora_kernel"
@@ -100,6 +103,21 @@ class BesideSource(_UsedStamp, InTreeCacheLocator):
 class UsersFolder(_UsedStamp, UserWideCacheLocator):
     """Keeps machine code in the user's cache, if the module's folder cannot be written."""
 
+
+class _Compilations(event.Listener):  # type: ignore[misc] # of an untyped package
+    """Notes each kernel that was compiled; one that was read from disk raises no event."""
+
+    def on_start(self, event: Any) -> None:
+        """Does nothing."""
+
+    def on_end(self, event: Any) -> None:
+        """Notes the kernel."""
+        if hasattr(event.data["dispatcher"].py_func, _MARK):
+            note_kernel()
+
+
+if VARIABLE in os.environ:
+    event.register("numba:compile", _Compilations())
 
 # Before the first compilation: results do not depend on the features of a machine's processor, and
 # all processes share the machine code on disk.

@@ -21,6 +21,7 @@ os.close(_nowhere)
 # An import that fails here fails again in the worker, where it is reported.
 with contextlib.suppress(Exception):
     from drivora_service.agents.built_in_agents import import_agents
+    from drivora_service.compilation.compilation_progress import note_ready
     from drivora_service.networks.catalogue import shipped_networks
     from drivora_service.runs.run_report import RunReport, RunStatus
     from drivora_service.worker.setup import WorkerSetup
@@ -31,6 +32,7 @@ with contextlib.suppress(Exception):
     warm_up(WorkerSetup(shipped_networks=shipped_networks(), installed_oracles=False))
     # The first report compiles how reports are written.
     frame_of_report(RunReport(run_id="warm-up", status=RunStatus.FINISHED))
+    note_ready()
 
 # Collections of garbage in workers would visit all of it, and so copy the memory that they share.
 gc.collect()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import os
 import signal
@@ -121,11 +122,31 @@ def _open_in_process(
     evaluator: str,
     on_error: Callable[[BaseException], None],
 ) -> Iterator[Client]:
-    if works and settings.executor == "local":
-        from drivora_service.execution.fork_server import prepare_processes
+    with contextlib.ExitStack() as stack:
+        if works and settings.executor == "local":
+            from drivora_service.cli.terminal.start_progress import start_progress
+            from drivora_service.execution.fork_server import prepare_processes
 
-        # Processes start while this one reads and checks the documents.
-        prepare_processes()
+            stack.enter_context(start_progress())
+            # Processes start while this one reads and checks the documents.
+            prepare_processes()
+        yield from _open_application(
+            settings,
+            makes_data=makes_data,
+            workers=workers,
+            evaluator=evaluator,
+            on_error=on_error,
+        )
+
+
+def _open_application(
+    settings: Settings,
+    *,
+    makes_data: bool,
+    workers: int | None,
+    evaluator: str,
+    on_error: Callable[[BaseException], None],
+) -> Iterator[Client]:
     from drivora_service.client import ApplicationTransport, Client
     from drivora_service.command_app import LOCAL_EVALUATOR, create_command_app
 

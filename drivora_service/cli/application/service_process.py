@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -23,10 +23,17 @@ _POLL_S = 0.05
 
 
 @contextmanager
-def run_service(data_dir: Path, *, workers: int) -> Iterator[str]:
+def run_service(
+    data_dir: Path, *, workers: int, meanwhile: Callable[[], None] = lambda: None
+) -> Iterator[str]:
     """Starts a service on a free port of loopback and yields its address; ends it afterwards.
 
     Its log is ``service.log`` in the data folder.
+
+    Args:
+        data_dir: Data folder of the service.
+        workers: Number of worker processes.
+        meanwhile: Called while the service starts, before this function waits for it.
 
     Raises:
         ServiceError: It does not start, or cannot start workers.
@@ -45,6 +52,7 @@ def run_service(data_dir: Path, *, workers: int) -> Iterator[str]:
             env={**os.environ, "DRIVORA_DRAIN_S": "0"},
         )
     try:
+        meanwhile()
         yield _wait_until_ready(process, announcement)
     finally:
         process.send_signal(signal.SIGINT)

@@ -38,16 +38,25 @@ def demo(
     from drivora_service.cli.application.command_connection import interrupt_on_sigterm
     from drivora_service.cli.application.service_process import run_service
     from drivora_service.cli.service.demo_campaign import run_demo_campaign
+    from drivora_service.cli.service.first_verdict import print_first_verdict
+    from drivora_service.cli.terminal.start_progress import start_progress
     from drivora_service.client import Client
+    from drivora_service.compilation.machine_code_files import has_machine_code
     from drivora_service.runs.run_report import RunStatus
     from drivora_service.store.campaigns.campaign_records import CampaignState
 
     begun = time.monotonic()
     seeds = _write_seeds(data_dir, town, num)
     note(f"{len(seeds)} scenarios on {town} in {data_dir / 'seeds'}")
+
+    def judge_first() -> None:
+        if not has_machine_code():
+            print_first_verdict(data_dir / "seeds" / f"{next(iter(seeds))}.json")
+
     with (
         interrupt_on_sigterm(),
-        run_service(data_dir, workers=workers) as url,
+        start_progress(),
+        run_service(data_dir, workers=workers, meanwhile=judge_first) as url,
         Client(url) as client,
     ):
         note(f"the service runs at {url} with {workers} workers; a browser shows its page there")
