@@ -13,6 +13,7 @@ import sys
 import sysconfig
 import threading
 import time
+from itertools import pairwise
 from pathlib import Path
 
 EVERY_S = 2.5
@@ -85,7 +86,7 @@ def installed_packages() -> int:
 
 def run(command: list[str]) -> int:
     """Runs a command of pip with progress; returns its exit code."""
-    files = [Path(name) for flag, name in zip(command, command[1:], strict=False) if flag == "-r"]
+    files = [Path(name) for flag, name in pairwise(command) if flag == "-r"]
     packages = sum(map(pinned_packages, files))
     if files:
         names = ", ".join(map(str, files))

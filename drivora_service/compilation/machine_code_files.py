@@ -15,8 +15,8 @@ _MAIN_FILES = "step_kernels*.nbc"
 def machine_code_folders() -> tuple[Path, ...]:
     """Returns the folders that kernels may be kept below, in the order in which they are tried.
 
-    That is ``NUMBA_CACHE_DIR``, or else the package itself (in its ``__pycache__`` folders), and the
-    user's cache where the package cannot be written.
+    That is ``NUMBA_CACHE_DIR``, or else the package itself (in its ``__pycache__`` folders), and
+    the user's cache where the package cannot be written.
     """
     given = os.environ.get("NUMBA_CACHE_DIR")
     if given:
