@@ -9,7 +9,8 @@ FAULT_TABLE ?=
 VENV := .venv
 BIN := $(VENV)/bin
 PIP ?= $(BIN)/python -m pip --disable-pip-version-check
-INSTALL := $(BIN)/python requirements/install.py $(PIP) install
+WITH_PROGRESS := $(BIN)/python requirements/install.py
+INSTALL := $(WITH_PROGRESS) $(PIP) install
 RUN_STAMP := $(VENV)/.installed-run
 DEV_STAMP := $(VENV)/.installed-dev
 # The page is built by the Node that the build of the package requires; no other is used.
@@ -43,7 +44,8 @@ $(RUN_STAMP): requirements/run.txt pyproject.toml | $(BIN)/python
 	@$(INSTALL) --no-compile --require-hashes -r requirements/run.txt
 # Before the installation, which would build it, too, but bury its errors in those of pip.
 	@echo "Building the web page"
-	@$(BIN)/python drivora_service/dashboard/build.py
+	@$(WITH_PROGRESS) $(BIN)/python drivora_service/dashboard/build.py
+	@echo "Installing Drivora itself"
 	@$(INSTALL) --no-compile --no-deps --no-build-isolation --editable .
 	@$(BIN)/python -m drivora_service.system_libraries
 	@touch $@

@@ -1,4 +1,4 @@
-"""Runs pip, or uv, and prints how far it is: ``python install.py PIP … install … -r FILE``.
+"""Runs pip, uv or a build, and prints how far it is: ``python install.py COMMAND…``.
 
 With ``--quiet``, pip prints nothing for a minute, and without it hundreds of lines. This prints a
 line every few seconds, with and without a terminal. It uses the standard library alone, as it runs
@@ -21,9 +21,9 @@ EVERY_S = 2.5
 
 _FETCHED = re.compile(r"^\s*(Using cached|Downloading) (\S+?)(?:\.metadata)? \(([\d.]+) (\w+)\)")
 _UNITS = {"bytes": 1e-6, "kB": 1e-3, "MB": 1.0, "GB": 1e3}
-_PINNED = re.compile(r"^([A-Za-z0-9._-]+)==\S+(?: ; (.*?))?\s*\\?$")
+_PINNED = re.compile(r"^([A-Za-z0-9._-]+)(?:\[[\w,-]*\])?==\S+(?: ; (.*?))?\s*\\?$")
 _PASSED_ON = ("WARNING", "ERROR", "error:", "  error:", "DEPRECATION")
-_LAST_LINES = 30
+_LAST_LINES = 50
 
 
 class Progress:
@@ -33,7 +33,7 @@ class Progress:
         """Nothing is fetched yet.
 
         Args:
-            packages: Pinned packages of the file; 0: unknown.
+            packages: Packages to install; 0: the command installs none that are known.
             installed: Packages that the environment has before.
         """
         self.packages, self._before = packages, installed
@@ -50,7 +50,7 @@ class Progress:
                 self.fetched += 1
                 self.megabytes += megabytes
                 self.downloaded += megabytes if how == "Downloading" else 0.0
-        elif line.startswith("Installing collected packages"):
+        elif line.startswith(("Installing collected packages", "Prepared ")):
             self.unpacks = True
 
     def state(self, installed: int, seconds: float) -> str:
@@ -60,15 +60,17 @@ class Progress:
             installed: Packages that the environment has now.
             seconds: Since the start.
         """
-        of = f" of {self.packages}" if self.packages else ""
+        if not self.packages:
+            return f"  not done yet, {seconds:.0f} s"
         if self.unpacks:
-            done = min(installed - self._before, self.packages or installed)
-            return f"  unpacking {self.megabytes:.0f} MB: {done}{of} packages, {seconds:.0f} s"
+            done = min(installed - self._before, self.packages)
+            size = f" {self.megabytes:.0f} MB" if self.megabytes else ""
+            return f"  unpacking{size}: {done} of {self.packages} packages, {seconds:.0f} s"
         if not self.fetched:
             return f"  looking for packages, {seconds:.0f} s"
         name = self.file.split("-")[0]
         return (
-            f"  fetching: {self.fetched}{of} packages, {self.megabytes:.0f} MB "
+            f"  fetching: {self.fetched} of {self.packages} packages, {self.megabytes:.0f} MB "
             f"({self.downloaded:.0f} MB downloaded), now {name}, {seconds:.0f} s"
         )
 
@@ -85,7 +87,7 @@ def installed_packages() -> int:
 
 
 def run(command: list[str]) -> int:
-    """Runs a command of pip with progress; returns its exit code."""
+    """Runs a command with progress; returns its exit code."""
     files = [Path(name) for flag, name in pairwise(command) if flag == "-r"]
     packages = sum(map(pinned_packages, files))
     if files:

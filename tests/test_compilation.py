@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivora_service.compilation import compiled, specialize
+from drivora_service.compilation import compiled, interpreted_kernels, specialize
 from drivora_service.geometry.array_shapes import FloatArray
 
 RECORD = """
@@ -128,3 +128,16 @@ def test_a_kernel_is_not_worth_loading_the_compiler_for_a_few_calls(modules: Pat
         [sys.executable, "-c", LIGHT], cwd=modules, check=True, capture_output=True, text=True
     )
     assert ended.stdout.splitlines() == ["[False, False, True] False", "True True"]
+
+
+def test_interpreted_kernels_compile_nothing() -> None:
+    @compiled
+    def halved(x: float) -> float:
+        return x / 2.0
+
+    with interpreted_kernels():
+        assert halved(3.0) == 1.5
+        assert specialize(halved) is halved
+    assert not halved.is_loaded  # type: ignore[attr-defined] # a kernel
+    assert halved(3.0) == 1.5
+    assert halved.is_loaded  # type: ignore[attr-defined]

@@ -22,6 +22,7 @@ from drivora_service.cli.catalogues import (
 )
 from drivora_service.cli.command_aliases import AliasedCommands
 from drivora_service.cli.command_tree import complete_commands
+from drivora_service.cli.doctor import doctor_command
 from drivora_service.cli.exit_codes import EPILOG, ExitCode
 from drivora_service.cli.failures import failures_commands, minimize_command
 from drivora_service.cli.runs import (
@@ -126,6 +127,7 @@ app.command("replay", epilog=EPILOG)(replay_command.replay)
 app.command("export", epilog=EPILOG)(export_command.export)
 app.command("schema", epilog=EPILOG)(schema_command.schema)
 app.command("demo", epilog=EPILOG)(demo_command.demo)
+app.command("doctor", epilog=EPILOG)(doctor_command.doctor)
 app.command("examples", epilog=EPILOG)(examples_command.examples)
 app.add_typer(runs_commands.app, name="runs", epilog=EPILOG)
 app.add_typer(batches_commands.app, name="batches", epilog=EPILOG)

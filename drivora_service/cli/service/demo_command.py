@@ -46,6 +46,7 @@ def demo(
     from drivora_service.store.campaigns.campaign_records import CampaignState
 
     begun = time.monotonic()
+    note(f"generating {num} scenarios on {town}")
     seeds = _write_seeds(data_dir, town, num)
     note(f"{len(seeds)} scenarios on {town} in {data_dir / 'seeds'}")
 

@@ -39,8 +39,8 @@ def print_first_verdict(file: Path) -> None:
     print(f"first verdict: {done.stdout.strip()}", flush=True)
 
 
-def describe_first_run(file: Path) -> str:
-    """Runs a scenario in this process with kernels interpreted; returns its result in a line.
+def describe_run(file: Path) -> str:
+    """Runs a scenario in this process; returns its result in a line.
 
     Args:
         file: The scenario.
@@ -56,8 +56,7 @@ def describe_first_run(file: Path) -> str:
     networks = shipped_networks()
     scenario = validate_data(file.read_bytes(), NetworkCatalogue(networks), None).scenario
     spec = RunSpec(run_id=file.stem, document=canonical_json(scenario))
-    with interpreted_kernels():
-        report = perform(spec, WorkerSetup(shipped_networks=networks, installed_oracles=False))
+    report = perform(spec, WorkerSetup(shipped_networks=networks, installed_oracles=False))
     if report.status is not RunStatus.FINISHED:
         reason = "" if report.failure is None else f": {report.failure.message}"
         return f"{file.stem}: {report.status.replace('_', ' ')}{reason}"
@@ -79,4 +78,5 @@ def describe_first_run(file: Path) -> str:
 
 
 if __name__ == "__main__":
-    print(describe_first_run(Path(sys.argv[1])))
+    with interpreted_kernels():
+        print(describe_run(Path(sys.argv[1])))

@@ -37,6 +37,15 @@ class ServerLock:
         self._lock.release()
 
 
+def serving_process(data_dir: Path) -> str | None:
+    """Returns the id of the process that serves a data folder; ``None`` if none does.
+
+    Servers that share a folder, on a database of a server of its own, are not found.
+    """
+    path = data_dir / _NAME
+    return holder_of(path) if path.is_file() and is_locked(path) else None
+
+
 def refuse_while_served(data_dir: Path) -> None:
     """Refuses to migrate a database that a server uses.
 
@@ -46,9 +55,9 @@ def refuse_while_served(data_dir: Path) -> None:
     Raises:
         Conflict: A server has the data folder.
     """
-    path = data_dir / _NAME
-    if path.is_file() and is_locked(path):
+    process = serving_process(data_dir)
+    if process is not None:
         raise Conflict(
-            f"process {holder_of(path)} serves {data_dir} with an older version of Drivora, and "
+            f"process {process} serves {data_dir} with an older version of Drivora, and "
             "this version would migrate its database; stop it first, or ask it with --server"
         )

@@ -1,0 +1,1 @@
+"""``drivora doctor``: checks of an installation, each independent of the others."""
