@@ -12,7 +12,8 @@ from rich.live import Live
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
-from drivora_service.cli.terminal.output import number
+from drivora_service.cli.terminal.log_pace import LogPace
+from drivora_service.cli.terminal.output import note, number
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.campaigns import Campaign
@@ -34,8 +35,14 @@ class Repeated:
 class CampaignDisplay:
     """A progress bar and a line of counts below it."""
 
-    def __init__(self, budget: int) -> None:
-        """Creates the display of a campaign without simulations."""
+    def __init__(self, budget: int, *, in_lines: bool = False) -> None:
+        """Creates the display of a campaign without simulations.
+
+        Args:
+            budget: Simulations of the campaign.
+            in_lines: Whether to print lines now and then, where a bar is printed at the end only.
+        """
+        self._pace = LogPace() if in_lines else None
         self._bar = Progress(
             BarColumn(bar_width=30),
             TextColumn("{task.completed}/{task.total} simulations"),
@@ -55,12 +62,16 @@ class CampaignDisplay:
         pace = "" if campaign.rate is None else f"{campaign.rate:.1f}/s{left}"
         self._bar.update(self._task, completed=campaign.simulations, pace=pace)
         self._found.plain = _format_findings(campaign, repeated)
+        if self._pace is not None and self._pace.is_due():
+            done = f"{campaign.simulations}/{campaign.budget} simulations"
+            note(f"{done}{', ' + pace if pace else ''}: {self._found.plain}")
 
 
 @contextmanager
 def campaign_display(budget: int) -> Iterator[CampaignDisplay]:
     """Shows a campaign on standard error while it runs."""
-    display, console = CampaignDisplay(budget), Console(stderr=True)
+    console = Console(stderr=True)
+    display = CampaignDisplay(budget, in_lines=not console.is_terminal)
     try:
         with Live(display, console=console, refresh_per_second=4):
             yield display

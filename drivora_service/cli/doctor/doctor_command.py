@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -63,7 +64,7 @@ def doctor(
 def _checks(data_dir: Path | None, port: int | None) -> Sequence[Check]:
     """Returns all checks. What settings cannot be read for is one problem, and the rest goes on."""
     from drivora_service.cli.doctor import software_checks
-    from drivora_service.cli.doctor.findings import Check, Finding, problem
+    from drivora_service.cli.doctor.findings import Check, problem
 
     def of_machine() -> Sequence[Check]:
         from drivora_service.cli.doctor import machine_checks
@@ -85,10 +86,8 @@ def _checks(data_dir: Path | None, port: int | None) -> Sequence[Check]:
         except Exception as error:
             fault = f"{type(error).__name__}: {error}"
 
-            def report(subject: str = subject, fault: str = fault) -> list[Finding]:
-                return [problem(subject, fault, "Mend it; its other checks need it")]
-
-            checks.append(Check(subject, report))
+            found = [problem(subject, fault, "Mend it; its other checks need it")]
+            checks.append(Check(subject, partial(list, found)))
     return checks
 
 

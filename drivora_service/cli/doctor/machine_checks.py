@@ -102,7 +102,7 @@ def check_speed() -> Iterator[Finding]:
     measured = json.loads(done.stdout.splitlines()[-1])
     factor, step = measured["factor"], measured["step_us"]
     text = (
-        f"{factor:.0f} × real time for a whole run of {measured['sim_time_s']:.0f} s, "
+        f"{factor:.0f} times real time for a whole run of {measured['sim_time_s']:.0f} s, "
         f"{step:.0f} µs a step; usual: {USUAL}"
     )
     if factor < SLOW:
@@ -145,7 +145,7 @@ def check_environment() -> Iterator[Finding]:
     if os.environ.get("PYTHONDONTWRITEBYTECODE"):
         yield noted(
             "environment",
-            "PYTHONDONTWRITEBYTECODE is set: every process compiles all modules again, seconds each",
+            "PYTHONDONTWRITEBYTECODE is set: every process takes seconds to compile all modules",
             "Unset it",
         )
     for name, value in sorted(os.environ.items()):
@@ -157,9 +157,8 @@ def check_environment() -> Iterator[Finding]:
         f"{name}={os.environ[name]}" if name.removeprefix(_PREFIX) in _SHOWN else f"{name} (set)"
         for name in given
     ]
-    for name in ("NUMBA_CACHE_DIR", "PYTHONPATH", "SUMO_HOME", "VIRTUAL_ENV", "TMPDIR"):
-        if value := os.environ.get(name):
-            shown.append(f"{name}={value}")
+    others = ("NUMBA_CACHE_DIR", "PYTHONPATH", "SUMO_HOME", "VIRTUAL_ENV", "TMPDIR")
+    shown += [f"{name}={os.environ[name]}" for name in others if os.environ.get(name)]
     yield ok("environment", ", ".join(shown) or "no variable of Drivora is set")
 
 

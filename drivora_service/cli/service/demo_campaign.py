@@ -78,7 +78,9 @@ def _draw(
 ) -> tuple[Path, ...]:
     settings = settings_for(data_dir)
     pictures = []
-    for number in sorted({kind.first for kind in campaign.kinds}):
+    numbers = sorted({kind.first for kind in campaign.kinds})
+    note(f"drawing {len(numbers)} failures and a run")
+    for number in numbers:
         trace = folder / f"{number:06d}.trace.parquet"
         if trace.is_file():
             picture = folder / f"{number:06d}.png"

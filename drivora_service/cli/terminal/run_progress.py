@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
+from drivora_service.cli.terminal.log_pace import LogPace
+
 
 @contextmanager
 def run_progress(names: Sequence[str], *, total: int) -> Iterator[Callable[[str], None]]:
@@ -14,6 +16,8 @@ def run_progress(names: Sequence[str], *, total: int) -> Iterator[Callable[[str]
         names: What the runs belong to, each once.
         total: Number of runs of each name.
     """
+    import sys
+
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -23,6 +27,17 @@ def run_progress(names: Sequence[str], *, total: int) -> Iterator[Callable[[str]
         MofNCompleteColumn(),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True)) as progress:
+    console, pace = Console(stderr=True), LogPace()
+    ended = dict.fromkeys(names, 0)
+    with Progress(*columns, console=console) as progress:
         tasks = {name: progress.add_task(name, total=total) for name in names}
-        yield lambda name: progress.advance(tasks[name])
+
+        def count(name: str) -> None:
+            progress.advance(tasks[name])
+            ended[name] += 1
+            # Without a terminal, the bar is printed at the end only.
+            if not console.is_terminal and pace.is_due():
+                parts = [f"{name} {done}/{total}" for name, done in ended.items()]
+                print(", ".join(parts), file=sys.stderr, flush=True)
+
+        yield count

@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 import time
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -32,7 +33,7 @@ def test_a_first_start_is_never_silent_for_three_seconds() -> None:
         progress = CompilationProgress(kernels=kernels, ready=now >= 39.0)
         if lines.line(progress, now):
             printed_at.append(now)
-    gaps = [after - before for before, after in zip(printed_at, printed_at[1:], strict=False)]
+    gaps = [after - before for before, after in pairwise(printed_at)]
     assert max(gaps) < 3.0
     assert len(printed_at) < 25
 
@@ -83,7 +84,7 @@ def test_a_first_run_on_a_machine_says_what_it_does(tmp_path: Path) -> None:
         lines.append(line)
         times.append(time.monotonic())
     assert process.wait(60) == 0, lines
-    gaps = [after - before for before, after in zip(times, times[1:], strict=False)]
+    gaps = [after - before for before, after in pairwise(times)]
     assert max(gaps) < 15.0, lines
     assert sum(gap > 4.0 for gap in gaps) <= len(gaps) // 4, gaps
     counts = [int(found) for found in re.findall(r": (\d+) of about", "".join(lines))]
