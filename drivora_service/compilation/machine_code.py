@@ -104,7 +104,7 @@ class UsersFolder(_UsedStamp, UserWideCacheLocator):
     """Keeps machine code in the user's cache, if the module's folder cannot be written."""
 
 
-class _Compilations(event.Listener):  # type: ignore[misc] # of an untyped package
+class _Compilations(event.Listener):
     """Notes each kernel that was compiled; one that was read from disk raises no event."""
 
     def on_start(self, event: Any) -> None:
@@ -117,7 +117,7 @@ class _Compilations(event.Listener):  # type: ignore[misc] # of an untyped packa
 
 
 if VARIABLE in os.environ:
-    event.register("numba:compile", _Compilations())
+    event.register("numba:compile", _Compilations())  # type: ignore[no-untyped-call]
 
 # Before the first compilation: results do not depend on the features of a machine's processor, and
 # all processes share the machine code on disk.
