@@ -61,7 +61,7 @@ class Progress:
             seconds: Since the start.
         """
         if not self.packages:
-            return f"  not done yet, {seconds:.0f} s"
+            return f"  still at work, {seconds:.0f} s"
         if self.unpacks:
             done = min(installed - self._before, self.packages)
             size = f" {self.megabytes:.0f} MB" if self.megabytes else ""

@@ -61,7 +61,7 @@ def test_pinned_packages_are_those_of_this_system(script: ModuleType, tmp_path: 
 
 def test_a_long_command_is_not_silent() -> None:
     done = run_script(sys.executable, "-c", "import time; time.sleep(3.2)")
-    assert done.stdout.startswith("  not done yet, ")
+    assert done.stdout.startswith("  still at work, ")
     assert done.returncode == 0
 
 

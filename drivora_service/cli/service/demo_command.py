@@ -35,6 +35,8 @@ def demo(
     """Shows the whole process: a service judges generated scenarios, then searches for failures."""
     import time
 
+    # Before the other imports, which take seconds in a new installation.
+    note(f"generating {num} scenarios on {town}")
     from drivora_service.cli.application.command_connection import interrupt_on_sigterm
     from drivora_service.cli.application.service_process import run_service
     from drivora_service.cli.service.demo_campaign import run_demo_campaign
@@ -46,7 +48,6 @@ def demo(
     from drivora_service.store.campaigns.campaign_records import CampaignState
 
     begun = time.monotonic()
-    note(f"generating {num} scenarios on {town}")
     seeds = _write_seeds(data_dir, town, num)
     note(f"{len(seeds)} scenarios on {town} in {data_dir / 'seeds'}")
 
