@@ -70,20 +70,20 @@ def test_a_first_run_on_a_machine_says_what_it_does(tmp_path: Path) -> None:
     """With an empty cache of kernels; the bound is generous, as other tests run beside it."""
     (tmp_path / "crossing.json").write_text(json.dumps(SCENARIO))
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
-    process = subprocess.Popen(
+    lines, times = [], [time.monotonic()]
+    with subprocess.Popen(
         [sys.executable, "-m", "drivora_service.cli", "run", "crossing.json", "--workers", "1"],
         cwd=tmp_path,
         env={**environment, "DRIVORA_DATA_DIR": str(tmp_path / "data")},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
-    )
-    assert process.stderr is not None
-    lines, times = [], [time.monotonic()]
-    for line in process.stderr:
-        lines.append(line)
-        times.append(time.monotonic())
-    assert process.wait(60) == 0, lines
+    ) as process:
+        assert process.stderr is not None
+        for line in process.stderr:
+            lines.append(line)
+            times.append(time.monotonic())
+    assert process.returncode == 0, lines
     gaps = [after - before for before, after in pairwise(times)]
     assert max(gaps) < 15.0, lines
     assert sum(gap > 4.0 for gap in gaps) <= len(gaps) // 4, gaps
