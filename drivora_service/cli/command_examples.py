@@ -29,6 +29,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "drivora export --out tables --campaign latest",
         ),
         "schema": ("drivora schema --check",),
+        "doctor": ("drivora doctor", "drivora doctor --port 8001 --json"),
         "demo": ("drivora demo", "drivora demo --town roundabout --num 6"),
         "examples": ("drivora examples --out examples",),
         "runs list": ("drivora runs list --violated --limit 10", "drivora runs list --town rural"),
