@@ -14,9 +14,12 @@ from drivora_service.networks.catalogue import NetworkLookup
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario.checks.bend_notes import bend_notes
 from drivora_service.scenario.checks.drafts import Doubts, make_whole
+from drivora_service.scenario.checks.figure_notes import figure_notes
 from drivora_service.scenario.checks.route_checks import RouteCheck, check_route
 from drivora_service.scenario.checks.route_notes import route_notes, snap_notes
 from drivora_service.scenario.checks.scenario_checks import check, snap_start
+from drivora_service.scenario.checks.speed_notes import speed_notes
+from drivora_service.scenario.checks.time_notes import time_notes
 from drivora_service.scenario.checks.value_bounds import is_within_bounds
 from drivora_service.scenario.conversion import DEFAULT_AGENT, to_scenario
 from drivora_service.scenario.document_problems import (
@@ -35,7 +38,8 @@ class ValidScenario:
 
     Attributes:
         network: Its road network.
-        notes: Interpretations to report: snapped points, default agents.
+        notes: Interpretations to report: snapped points, default agents, figures far from what
+            their place allows, which begin with a JSON pointer.
     """
 
     scenario: Scenario
@@ -159,6 +163,9 @@ def _validate(
         *snap_notes(checked.snapped, scenario, network),
         *route_notes(scenario, network),
         *bend_notes(scenario, network),
+        *speed_notes(scenario, network, with_agents=not driven_by),
+        *time_notes(document, scenario, network),
+        *figure_notes(document, scenario, network),
     ]
     return ValidScenario(scenario=scenario, network=network, notes=tuple(notes))
 

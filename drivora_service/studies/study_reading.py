@@ -106,7 +106,13 @@ def read_study(
         document=document,
         campaigns=tuple(_campaigns(document, valid)),
         genes=genes,
-        notes=tuple(dict.fromkeys(note for one in valid.values() for note in one.notes)),
+        notes=tuple(
+            dict.fromkeys(
+                _place_note(note, document, one)
+                for one, campaign in valid.items()
+                for note in campaign.notes
+            )
+        ),
     )
 
 
@@ -256,6 +262,16 @@ def _place_problem(
         what = document.scenario_labels[one.scenario]
         message, part = f"with scenario {what!r}: {message}", ""
     return replace(problem, pointer=prefix + slash + inside, message=message), part
+
+
+def _place_note(note: str, document: StudyDocument, one: _Combination) -> str:
+    """Returns a note on a campaign at its place in the study, if it has one."""
+    if not note.startswith("/"):
+        return note
+    pointer, _, message = note.partition(": ")
+    problem = Problem(pointer=pointer, code="note", message=message)
+    placed, _ = _place_problem(problem, document, one)
+    return f"{placed.pointer}: {placed.message}"
 
 
 def _campaigns(

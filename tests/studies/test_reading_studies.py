@@ -45,6 +45,19 @@ def test_without_agents_the_scenarios_have_theirs(catalogues: Catalogues) -> Non
     assert all("agent" not in json.loads(c.document) for c in study.campaigns)
 
 
+def test_notes_on_figures_have_their_places_in_the_study(catalogues: Catalogues) -> None:
+    content = study_content()
+    content["scenarios"][1]["document"]["ego_vehicles"][0]["initial_speed"] = 50.0
+    content["agents"][0]["parameters"] = {"speed_factor": 1.0}
+    content["space"] = {"vehicles": 2, "max_speed_factor": 3.0}
+    places = [note.partition(":")[0] for note in read_study(content, catalogues).notes]
+    own = [place for place in places if place.startswith("/")]
+    assert own == [
+        "/space/max_speed_factor",
+        "/scenarios/1/document/ego_vehicles/0/initial_speed",
+    ]
+
+
 def test_a_method_without_feedback_is_named_so(catalogues: Catalogues) -> None:
     content = study_content()
     content["methods"] = [{"name": "avfuzzer"}, {"name": "avfuzzer", "feedback": "shuffled"}]

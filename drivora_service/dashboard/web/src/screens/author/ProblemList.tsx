@@ -1,6 +1,7 @@
 import type { Schemas } from "../../api/client";
 import type { JsonObject } from "../../components/fields/pointers";
 import { fixed } from "../../components/numbers";
+import { placeOfNote } from "./placeOfNote";
 import { placeWords } from "./placeWords";
 import { noActorYet } from "./scenario";
 import type { ShownActor } from "./shownActors";
@@ -55,10 +56,31 @@ export function ProblemList({
         ))}
         {notes.map((note) => (
           <li key={note} className="quiet">
-            ○ {note}
+            <Note note={note} scenario={scenario} onGo={onGo} />
           </li>
         ))}
       </ul>
     </section>
+  );
+}
+
+/** A remark of the validation; a press goes to its place, if it has one. */
+function Note({
+  note,
+  scenario,
+  onGo,
+}: {
+  readonly note: string;
+  readonly scenario: JsonObject;
+  readonly onGo: (pointer: string) => void;
+}) {
+  const { pointer, words } = placeOfNote(note);
+  if (pointer === "") return <>○ {words}</>;
+  return (
+    <button type="button" className="plain quiet" onClick={() => onGo(pointer)}>
+      <span>
+        ○ <strong>{placeWords(scenario, pointer)}:</strong> {words}
+      </span>
+    </button>
   );
 }
