@@ -124,6 +124,8 @@ def run(
                 on_posted=batches.append,
             )
     batch_id = "".join(batches)
+    if form.is_table:
+        run_output.say_notes(done)
     if not form.is_table:
         told = [result.content() for result in done]
         form.print_content(

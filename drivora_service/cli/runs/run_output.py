@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from drivora_service.api.schemas.runs import Run
-from drivora_service.cli.terminal.output import number, print_table
+from drivora_service.cli.terminal.output import note, number, print_table
 from drivora_service.errors import Problem
 from drivora_service.metrics.metric_descriptions import METRICS
 from drivora_service.oracles.oracle_descriptions import SHARE
@@ -30,6 +30,8 @@ _FAULT = {
     Accountability.NOT_AT_FAULT: "no",
 }
 _LOG_LINES = 10
+_NOTES = 10
+"""Notes on scenarios that are printed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,6 +91,15 @@ _COLUMNS = (
     "agents (µs)",
 )
 """Simulated time, its ratio to real time, the cost of a step without the agents, and theirs."""
+
+
+def say_notes(results: Sequence[ScenarioResult]) -> None:
+    """Prints the notes on scenarios to standard error, the first of many."""
+    lines = [f"{one.scenario}: note: {remark}" for one in results for remark in one.notes]
+    for line in lines[:_NOTES]:
+        note(line)
+    if len(lines) > _NOTES:
+        note(f"{len(lines) - _NOTES} more notes; drivora validate prints them all")
 
 
 def print_results(results: Sequence[ScenarioResult]) -> None:

@@ -216,3 +216,16 @@ def test_a_run_that_the_simulator_spoilt_says_so(drivora: Drivora, tmp_path: Pat
     again = drivora("run", file, "--out", tmp_path / "out", "--json").json()
     assert not [verdict for verdict in again["verdicts"] if verdict["outcome"] == "violated"]
     assert again["metrics"]["driving_score"] is None
+
+
+def test_a_speed_in_another_unit_is_noted_and_driven(
+    drivora: Drivora, scenario_file: Path, tmp_path: Path
+) -> None:
+    content = json.loads(scenario_file.read_text("utf-8"))
+    content["ego_vehicles"][0]["initial_speed"] = 50.0
+    fast = tmp_path / "fast.json"
+    fast.write_text(json.dumps(content), encoding="utf-8")
+    ended = drivora("run", fast)
+    assert ended.code == 0, ended.err
+    assert "fast: note: /ego_vehicles/0/initial_speed: ego 'ego' starts at 50 m/s (180" in ended.err
+    assert "speeds are in m/s" not in ended.out

@@ -7,7 +7,12 @@ from typing import Any
 import pytest
 
 from drivora_service.api.schemas.runs import Run
-from drivora_service.cli.runs.run_output import ScenarioResult, print_result, summary
+from drivora_service.cli.runs.run_output import (
+    ScenarioResult,
+    print_result,
+    say_notes,
+    summary,
+)
 from drivora_service.oracles.verdict import Answer, Outcome, Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability, accountability
 from drivora_service.oracles.verdicts.failure_definition import (
@@ -99,3 +104,16 @@ def test_an_ads_that_failed_is_named_as_a_failure(capsys: pytest.CaptureFixture[
     run = run_with(status="agent_failed", failures=1)
     print_result(ScenarioResult(scenario="a", run=run))
     assert "\nFailures: 1 (the ADS itself failed)\n" in capsys.readouterr().out
+
+
+def test_the_first_of_many_notes_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    say_notes(
+        [
+            ScenarioResult(scenario="quiet"),
+            ScenarioResult(scenario="fast", notes=tuple(f"/place/{n}: 50 m/s" for n in range(12))),
+        ]
+    )
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[0] == "fast: note: /place/0: 50 m/s"
+    assert lines[-1] == "2 more notes; drivora validate prints them all"
+    assert len(lines) == 11
