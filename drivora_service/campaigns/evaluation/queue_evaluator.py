@@ -122,8 +122,8 @@ class QueueEvaluator:
                 seed_override=spec.seed,
                 definition=self._definition,
             ),
-            label=f"{self._campaign.name[:150]} #{number}",
-            item=number,
+            label=_label(self._campaign.name, number),
+            item=max(number, 0),
             feedback=spec.feedback,
             keeps_trace=bool(spec.trace_path),
             run_id=spec.run_id,
@@ -160,6 +160,11 @@ class QueueEvaluator:
             written = self._traces.address(report.run_id, attempt)
             self._failure_traces.take(written, spec.trace_path)
         return Answer(number=number, report=report, candidate=candidate)
+
+
+def _label(campaign: str, number: int) -> str:
+    """Returns the label of a run; seed scenarios have negative numbers."""
+    return f"{campaign[:150]} #{number}" if number >= 0 else f"{campaign[:150]} seed {-number}"
 
 
 @lru_cache(maxsize=64)

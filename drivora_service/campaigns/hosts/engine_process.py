@@ -16,9 +16,11 @@ from drivora_service.campaigns.evaluation.queue_evaluator import QueueEvaluator
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.records.campaign_folder import CampaignFolder
 from drivora_service.campaigns.records.stored_campaigns import run_stored
+from drivora_service.campaigns.search.conducting import Watcher
 from drivora_service.errors import Conflict, DrivoraError, PluginError, StoreUnavailable
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.oracles.laws.sources import LawSource
+from drivora_service.store.campaigns.campaign_warnings import CampaignWarning
 from drivora_service.store.database import open_database
 from drivora_service.store.traces.trace_places import TracePlaces
 from drivora_service.worker.parent_death import die_with_parent
@@ -106,6 +108,9 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
         with contextlib.closing(evaluator):
             yield evaluator
 
+    def warn(warning: CampaignWarning) -> None:
+        print(f"campaign {campaign_id}: warning: {warning.message} {warning.advice}", flush=True)
+
     try:
         ended = run_stored(
             database,
@@ -117,6 +122,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
                 setup.laws,
             ),
             evaluator=open_evaluator,
+            watcher=Watcher(on_warning=warn),
             only_queued=True,
             is_locked=True,
         )

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from drivora_service.errors import UnknownName
 from drivora_service.store.campaigns.campaign_records import Confirmation, EvaluationRecord, Failure
+from drivora_service.store.campaigns.seed_run_records import SeedRun
 
 
 class Journal(Protocol):
@@ -60,6 +61,14 @@ class Journal(Protocol):
         """Writes the groups of failures, by number of the evaluation and place."""
         ...
 
+    def seed_runs(self) -> tuple[SeedRun, ...]:
+        """Returns the runs of seed scenarios that were kept."""
+        ...
+
+    def keep_seed_runs(self, runs: tuple[SeedRun, ...]) -> None:
+        """Writes the runs of seed scenarios, in place of those before."""
+        ...
+
 
 def failures_of(record: EvaluationRecord) -> tuple[Failure, ...]:
     """Returns the failures of an evaluation."""
@@ -79,6 +88,7 @@ class MemoryJournal:
         self._evaluations = list(evaluations)
         self._documents: dict[int, str] = {}
         self._failures = [failure for record in evaluations for failure in failures_of(record)]
+        self._seed_runs: tuple[SeedRun, ...] = ()
 
     def evaluations(self, *, violating: bool = False) -> Iterator[EvaluationRecord]:
         """Yields the evaluations in order."""
@@ -129,3 +139,11 @@ class MemoryJournal:
             replace(failure, group=groups.get((failure.evaluation, failure.place)))
             for failure in self._failures
         ]
+
+    def seed_runs(self) -> tuple[SeedRun, ...]:
+        """Returns the runs of seed scenarios that were kept here."""
+        return self._seed_runs
+
+    def keep_seed_runs(self, runs: tuple[SeedRun, ...]) -> None:
+        """Keeps the runs of seed scenarios, in place of those before."""
+        self._seed_runs = runs

@@ -14,6 +14,7 @@ from drivora_service.store.campaigns.campaign_records import (
     EvaluationRecord,
     Failure,
 )
+from drivora_service.store.campaigns.seed_run_records import SeedRun
 from drivora_service.store.database import Database, Transaction
 
 _PAGE = 200
@@ -116,6 +117,16 @@ class StoreJournal:
         """Writes the groups of failures."""
         with self._write() as transaction:
             transaction.evaluations.group(self._campaign_id, groups)
+
+    def seed_runs(self) -> tuple[SeedRun, ...]:
+        """Returns the runs of seed scenarios that were kept."""
+        with self._database.read() as transaction:
+            return transaction.campaigns.get(self._campaign_id).seed_runs
+
+    def keep_seed_runs(self, runs: tuple[SeedRun, ...]) -> None:
+        """Writes the runs of seed scenarios, in place of those before."""
+        with self._write() as transaction:
+            transaction.campaigns.keep_seed_runs(self._campaign_id, runs)
 
     def read_request(self) -> CampaignRequest:
         """Returns the pending request to the campaign, as it was a moment ago.

@@ -117,6 +117,8 @@ def run_stored(
         claim = new_id()
         with database.write() as transaction:
             record = transaction.campaigns.begin(campaign_id, only_queued=only_queued, claim=claim)
+            # In a study, what a seed does is the same for all methods and repetitions.
+            try_seeds = transaction.campaigns.is_first_of_its_scene(campaign_id)
         watcher.on_begun()
         journal = StoreJournal(database, campaign_id, claim=claim)
         asking = replace(watcher, requested=lambda: watcher.requested() or journal.read_request())
@@ -139,6 +141,7 @@ def run_stored(
                     evaluating,
                     journal,
                     trace_address=folder.trace_address,
+                    try_seeds=try_seeds,
                     watcher=asking,
                 )
         except KeyboardInterrupt:

@@ -9,11 +9,14 @@ from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.records.journal import Journal
 from drivora_service.campaigns.search.confirmation import confirm_failures, group_failures
 from drivora_service.campaigns.search.engine import Engine, Search, Told
+from drivora_service.campaigns.search.seed_trial import SeedTrial
+from drivora_service.campaigns.search.warning_watch import WarningWatch
 from drivora_service.store.campaigns.campaign_records import (
     CampaignRequest,
     CampaignState,
     Confirmation,
 )
+from drivora_service.store.campaigns.campaign_warnings import CampaignWarning
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,12 +29,14 @@ class Watcher:
         on_told: Called with every evaluation.
         on_confirmed: Called with the number and the confirmation of every failing evaluation that
             was run again.
+        on_warning: Called once with each kind of warning that the campaign says little.
     """
 
     on_begun: Callable[[], None] = lambda: None
     requested: Callable[[], CampaignRequest] = lambda: CampaignRequest.NONE
     on_told: Callable[[Told], None] = lambda _told: None
     on_confirmed: Callable[[int, Confirmation], None] = lambda _number, _confirmation: None
+    on_warning: Callable[[CampaignWarning], None] = lambda _warning: None
 
 
 def conduct(
@@ -41,6 +46,7 @@ def conduct(
     *,
     trace_address: Callable[[str], str] | None = None,
     confirm: bool = True,
+    try_seeds: bool = False,
     watcher: Watcher = Watcher(),  # frozen
 ) -> CampaignState:
     """Searches, then runs every failure again and groups them.
@@ -52,6 +58,7 @@ def conduct(
         trace_address: Returns where the trace of a failure, by its name, is written; ``None``: they
             are not kept.
         confirm: Whether failures are run again.
+        try_seeds: Whether the seed scenarios are run as they are, too, outside the budget.
         watcher: Callbacks.
 
     Returns:
@@ -62,10 +69,22 @@ def conduct(
         PluginError: The tester raised.
         SearchError: The tester violated its protocol.
     """
-    engine = Engine(
-        search, evaluator, journal, requested=watcher.requested, on_told=watcher.on_told
-    )
+    warnings = WarningWatch(watcher.on_warning)
+
+    def see(told: Told) -> None:
+        warnings.see_evaluation(told)
+        watcher.on_told(told)
+
+    seeds: SeedTrial | None = None
+    if try_seeds:
+        evaluator = seeds = SeedTrial(search, evaluator, journal, on_seed=warnings.see_seed)
+        seeds.begin()
+    engine = Engine(search, evaluator, journal, requested=watcher.requested, on_told=see)
     request = engine.run()
+    if request is CampaignRequest.NONE:
+        warnings.end()
+        if seeds is not None:
+            request = seeds.finish(watcher.requested)
     if request is CampaignRequest.NONE and confirm:
         request = confirm_failures(
             journal,

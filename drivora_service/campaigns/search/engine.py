@@ -63,6 +63,7 @@ class Search:
         parts: The search from each seed scenario.
         feedback: The feedback that the testers ask for.
         definition: What counts as a failure.
+        seed_names: Names of the seed scenarios, one a part; none if there is only one.
     """
 
     run_prefix: str
@@ -71,6 +72,7 @@ class Search:
     definition: FailureDefinition
     budget: int
     lookahead: int
+    seed_names: tuple[str, ...] = ()
 
     @property
     def genes(self) -> int:

@@ -130,6 +130,7 @@ def prepare_search(
         definition=campaign.definition,
         budget=campaign.budget,
         lookahead=campaign.lookahead,
+        seed_names=tuple(seed.name for seed in valid.seeds),
     )
 
 

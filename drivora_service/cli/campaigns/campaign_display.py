@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -17,6 +17,7 @@ from drivora_service.cli.terminal.output import note, number
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.campaigns import Campaign
+    from drivora_service.store.campaigns.campaign_warnings import CampaignWarning, WarningCode
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,11 +36,18 @@ class Repeated:
 class CampaignDisplay:
     """A progress bar and a line of counts below it."""
 
-    def __init__(self, budget: int, *, in_lines: bool = False) -> None:
+    def __init__(
+        self,
+        budget: int,
+        warn: Callable[[str], None] = lambda _line: None,
+        *,
+        in_lines: bool = False,
+    ) -> None:
         """Creates the display of a campaign without simulations.
 
         Args:
             budget: Simulations of the campaign.
+            warn: Prints a line above the display.
             in_lines: Whether to print lines now and then, where a bar is printed at the end only.
         """
         self._pace = LogPace() if in_lines else None
@@ -51,6 +59,8 @@ class CampaignDisplay:
         )
         self._task = self._bar.add_task("", total=budget, pace="")
         self._found = Text()
+        self._warn = warn
+        self._warned: set[WarningCode] = set()
 
     def __rich__(self) -> Group:
         """Returns the bar and the line."""
@@ -62,6 +72,10 @@ class CampaignDisplay:
         pace = "" if campaign.rate is None else f"{campaign.rate:.1f}/s{left}"
         self._bar.update(self._task, completed=campaign.simulations, pace=pace)
         self._found.plain = _format_findings(campaign, repeated)
+        for warning in campaign.warnings:
+            if warning.code not in self._warned:
+                self._warned.add(warning.code)
+                self._warn(warning_line(warning))
         if self._pace is not None and self._pace.is_due():
             done = f"{campaign.simulations}/{campaign.budget} simulations"
             note(f"{done}{', ' + pace if pace else ''}: {self._found.plain}")
@@ -71,7 +85,11 @@ class CampaignDisplay:
 def campaign_display(budget: int) -> Iterator[CampaignDisplay]:
     """Shows a campaign on standard error while it runs."""
     console = Console(stderr=True)
-    display = CampaignDisplay(budget, in_lines=not console.is_terminal)
+    display = CampaignDisplay(
+        budget,
+        lambda line: console.print(Text(line), soft_wrap=True),
+        in_lines=not console.is_terminal,
+    )
     try:
         with Live(display, console=console, refresh_per_second=4):
             yield display
@@ -95,6 +113,11 @@ def _format_findings(campaign: Campaign, repeated: Repeated) -> str:
     if repeated.confirmed or repeated.flaky:
         parts.append(f"confirmed {repeated.confirmed}, flaky {repeated.flaky}")
     return " · ".join(parts)
+
+
+def warning_line(warning: CampaignWarning) -> str:
+    """Returns a warning in one line, with what to do and the page about it."""
+    return f"warning: {warning.message} {warning.advice} See {warning.page}"
 
 
 def duration(seconds: float) -> str:

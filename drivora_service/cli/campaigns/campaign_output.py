@@ -61,6 +61,10 @@ def print_campaign(campaign: Campaign) -> None:
     )
     print(f"  {counts.violating} failing ({_accountable(counts)})")
     print(f"  Failures are {campaign.definition.words}")
+    for warning in campaign.warnings:
+        print(f"  Warning: {warning.message}")
+        print(f"    {warning.advice}")
+        print(f"    See {warning.page}")
     if campaign.seeds:
         _print_seeds(campaign)
     if campaign.kinds:

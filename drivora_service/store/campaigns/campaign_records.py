@@ -16,6 +16,8 @@ from drivora_service.oracles.verdicts.accountability import Accountability, stro
 from drivora_service.runs.run_report import RunReport
 from drivora_service.search.tester import EvaluationStatus, Proposal
 from drivora_service.shapes import Shape
+from drivora_service.store.campaigns.campaign_warnings import CampaignWarning, campaign_warnings
+from drivora_service.store.campaigns.seed_run_records import SeedRun
 
 
 class CampaignState(StrEnum):
@@ -121,6 +123,8 @@ class CampaignCounts(Shape):
         undetermined: Candidates with violations of undetermined fault only, likewise.
         preventable: Candidates with violations at the fault of others only, one that this driver
             avoids, likewise; null if the campaign was judged before this was recorded.
+        agent_failed: Those without a result in which the ADS itself failed; null if the campaign
+            began before this was recorded.
     """
 
     evaluations: int = 0
@@ -133,6 +137,7 @@ class CampaignCounts(Shape):
     unavoidable: int | None = 0
     undetermined: int | None = 0
     preventable: int | None = 0
+    agent_failed: int | None = 0
 
     @property
     def simulations(self) -> int:
@@ -177,6 +182,8 @@ class CampaignSummary(Shape):
         study_id: Id of its study; empty if it is of none.
         cell: Its place in the study; null if it is of none.
         revision: Count of all changes at its newest one, those of its evaluations included.
+        seed_runs: The runs of its seed scenarios as they are, outside the budget; of many the
+            first. Empty until they have ended, and if they were not made.
     """
 
     id: str
@@ -200,12 +207,20 @@ class CampaignSummary(Shape):
     study_id: str = ""
     cell: StudyCell | None = None
     revision: int = 0
+    seed_runs: tuple[SeedRun, ...] = ()
 
     @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property
     def simulations(self) -> int:
         """Simulations so far."""
         return self.counts.simulations
+
+    @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
+    @property
+    def warnings(self) -> tuple[CampaignWarning, ...]:
+        """Warnings that it says little: a seed fails, or all or none of its simulations do."""
+        is_finished = self.state is CampaignState.FINISHED
+        return campaign_warnings(self.counts, self.seed_runs, is_finished=is_finished)
 
     @computed_field  # type: ignore[prop-decorator] # as pydantic documents it
     @property

@@ -6,12 +6,12 @@ import json
 from collections.abc import Collection
 from datetime import UTC, datetime
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from drivora_service.agents.configuration import AgentConfiguration
 from drivora_service.errors import Conflict, UnknownName
-from drivora_service.shapes import combine
+from drivora_service.shapes import adapter, combine, to_json
 from drivora_service.store.campaigns.campaign_records import (
     BestScore,
     CampaignCounts,
@@ -24,6 +24,7 @@ from drivora_service.store.campaigns.campaign_records import (
     StudyCell,
 )
 from drivora_service.store.campaigns.campaign_tables import CampaignRow
+from drivora_service.store.campaigns.seed_run_records import SeedRun
 from drivora_service.store.engine.ids import new_id
 from drivora_service.store.engine.merging import Branch, first_numbers
 from drivora_service.store.engine.paging import make_token, read_token
@@ -182,6 +183,35 @@ class CampaignRepository:
         if campaign_row(self._session, campaign_id).claim != claim:
             raise Conflict(f"another process has taken campaign {campaign_id} over")
 
+    def keep_seed_runs(self, campaign_id: str, runs: tuple[SeedRun, ...]) -> None:
+        """Stores the runs of the seed scenarios of a campaign, in place of those before.
+
+        Raises:
+            UnknownName: There is none of this id.
+        """
+        row = campaign_row(self._session, campaign_id)
+        row.seed_runs = to_json(tuple[SeedRun, ...], runs).decode()
+
+    def is_first_of_its_scene(self, campaign_id: str) -> bool:
+        """Returns whether no campaign of its study before it has its seed scenario and its ADS.
+
+        True for a campaign of no study.
+
+        Raises:
+            UnknownName: There is none of this id.
+        """
+        row = campaign_row(self._session, campaign_id)
+        if not row.study_id:
+            return True
+        first = self._session.scalar(
+            select(func.min(CampaignRow.seq)).where(
+                CampaignRow.study_id == row.study_id,
+                CampaignRow.study_scenario == row.study_scenario,
+                CampaignRow.study_agent == row.study_agent,
+            )
+        )
+        return first == row.seq
+
     def end(
         self, campaign_id: str, state: CampaignState, *, message: str = "", active_s: float = 0.0
     ) -> CampaignRecord:
@@ -302,6 +332,7 @@ def _summary(row: CampaignRow) -> CampaignSummary:
         request=CampaignRequest(row.request),
         counts=combine(CampaignCounts, row),
         cell=_cell(row),
+        seed_runs=adapter(tuple[SeedRun, ...]).validate_json(row.seed_runs),
     )
 
 

@@ -57,6 +57,7 @@ class CampaignRow(Base):
     unavoidable: Mapped[int | None] = mapped_column(default=0)
     undetermined: Mapped[int | None] = mapped_column(default=0)
     preventable: Mapped[int | None] = mapped_column(default=0)
+    agent_failed: Mapped[int | None] = mapped_column(default=0)
     best: Mapped[str] = mapped_column(Text, default="{}", server_default="{}")
     study_id: Mapped[str] = mapped_column(String(40), default="", server_default=text("''"))
     study_scenario: Mapped[str] = mapped_column(String(100), default="", server_default=text("''"))
@@ -64,6 +65,7 @@ class CampaignRow(Base):
     study_method: Mapped[str] = mapped_column(String(100), default="", server_default=text("''"))
     repetition: Mapped[int] = mapped_column(default=0, server_default=text("0"))
     revision: Mapped[int] = mapped_column(default=0, server_default=text("0"), index=True)
+    seed_runs: Mapped[str] = mapped_column(Text, default="[]", server_default="[]")
 
 
 class StudyRow(Base):

@@ -19,6 +19,7 @@ from drivora_service.errors import Conflict
 from drivora_service.oracles.verdicts.accountability import Accountability, accountability
 from drivora_service.oracles.verdicts.verdict_json import verdict_to_json
 from drivora_service.runs.report_encoding import report_to_json
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaigns.campaign_records import Confirmation, EvaluationRecord
 from drivora_service.store.campaigns.campaign_tables import CampaignRow, EvaluationRow, FailureRow
@@ -176,6 +177,10 @@ def _count(campaign: CampaignRow, records: Sequence[EvaluationRecord]) -> None:
         campaign.undetermined += degrees[Accountability.UNDETERMINED]
     if campaign.preventable is not None:
         campaign.preventable += degrees[Accountability.PREVENTABLE]
+    if campaign.agent_failed is not None:
+        campaign.agent_failed += sum(
+            record.report.status is RunStatus.AGENT_FAILED for record in records
+        )
     best: dict[str, list[float]] = json.loads(campaign.best)
     for record in records:
         measurement = record.report.measurement

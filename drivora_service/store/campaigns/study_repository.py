@@ -37,6 +37,7 @@ _COUNTED = (
     "unavoidable",
     "undetermined",
     "preventable",
+    "agent_failed",
 )
 
 
@@ -155,10 +156,10 @@ class StudyRepository:
 
 
 def _summary(row: StudyRow, parts: Sequence[Row[Any]]) -> StudySummary:
-    # Old campaigns lack some counts, but none of them is of a study.
-    counts = CampaignCounts(
-        **{name: sum(getattr(part, name) or 0 for part in parts) for name in _COUNTED}
-    )
+    # Old campaigns lack some counts, but none of them is of a study, except for the newest count.
+    sums = {name: sum(getattr(part, name) or 0 for part in parts) for name in _COUNTED}
+    is_old = any(part.agent_failed is None for part in parts)
+    counts = CampaignCounts(**sums | ({"agent_failed": None} if is_old else {}))
     return combine(
         StudySummary,
         row,

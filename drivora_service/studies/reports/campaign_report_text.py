@@ -29,6 +29,9 @@ def report_markdown(
     record = report.record
     lines = [f"# Campaign {record.name}", ""]
     lines += [f"`{record.id}`, {record.state}" + (f": {record.message}" if record.message else "")]
+    if record.warnings:
+        lines += ["", "## Warnings", ""]
+        lines += [f"- {one.message} {one.advice} See `{one.page}`." for one in record.warnings]
     lines += ["", "## Search", "", *table(("", ""), _make_search_rows(report))]
     lines += ["", "## Results", "", *table(("", ""), _outcome(report))]
     if report.note:
@@ -114,6 +117,7 @@ def _outcome(report: CampaignReport) -> list[tuple[str, str]]:
     rows = [
         ("simulations", f"{counts.simulations} of {report.record.budget}"),
         ("runs without a result", str(counts.failed)),
+        ("of these by failures of the ADS itself", _count(counts.agent_failed)),
         (
             "invalid candidates",
             f"{counts.invalid} of {counts.evaluations} ({counts.invalid / candidates:.1%})",
@@ -126,7 +130,15 @@ def _outcome(report: CampaignReport) -> list[tuple[str, str]]:
         ("simulations not at fault, but avoidable", _count(counts.preventable)),
         ("work time", f"{report.record.active_s:.1f} s"),
     ]
+    if report.record.seed_runs:
+        rows.append(("seed scenarios as they are, outside the budget", _seed_runs(report)))
     return rows if figures is None else rows + _make_figure_rows(figures)
+
+
+def _seed_runs(report: CampaignReport) -> str:
+    runs = report.record.seed_runs
+    failing = sum(bool(run.failures) or run.ads_failed for run in runs)
+    return f"{failing} of {len(runs)} fail"
 
 
 def _make_figure_rows(figures: CampaignFigures) -> list[tuple[str, str]]:
