@@ -52,10 +52,12 @@ _HEADERS = {
     "Referrer-Policy": "same-origin",
     "Cross-Origin-Opener-Policy": "same-origin",
 }
-_NO_SCREENS = frozenset({"api", "docs", "assets", "healthz", "readyz", "metrics"})
+_NO_SCREENS = frozenset({"api", "docs", "assets", "healthz", "readyz", "metrics", "help"})
 """First parts of addresses that programs ask for: what is not there has no page."""
 _ENCODINGS = (("br", ".br"), ("gzip", ".gz"))
 """Forms that the build stores beside each file, the best first."""
+HELP = ("when-everything-or-nothing-fails",)
+"""Pages of the documentation that the page links to, by their names among the how-to pages."""
 _NOT_BUILT = (
     "The page is not in this installation. Install the package again "
     "(`make install`, or `pip install`), or use the API: /docs.\n"
@@ -87,6 +89,14 @@ def page_routes(built: Path = BUILT) -> Sequence[BaseRoute]:
     def icon(request: Request) -> Response:
         return _file(request, built / "icon.svg", "public, max-age=86400")
 
+    def help_page(request: Request) -> Response:
+        name = request.path_params["name"]
+        path = help_folder() / f"{name}.md"
+        if name not in HELP or not path.is_file():
+            return Response("There is no such page.\n", 404, media_type="text/plain")
+        headers = {**_HEADERS, "Cache-Control": "no-cache"}
+        return FileResponse(path, headers=headers, media_type="text/plain; charset=utf-8")
+
     screens = ["/", *(f"/{section}" for section in SECTIONS)]
     return [
         *(Route(path, document, include_in_schema=False) for path in screens),
@@ -96,8 +106,16 @@ def page_routes(built: Path = BUILT) -> Sequence[BaseRoute]:
         ),
         Route("/assets/{name}", asset, include_in_schema=False),
         Route("/icon.svg", icon, include_in_schema=False),
+        Route("/help/{name}", help_page, include_in_schema=False),
         _Elsewhere("/{rest:path}", no_screen),
     ]
+
+
+def help_folder() -> Path:
+    """Returns the folder of the how-to pages, in a checkout or an installed package."""
+    package = Path(__file__).resolve().parents[1]
+    installed = package / "_data" / "how-to"
+    return installed if installed.is_dir() else package.parent / "docs" / "how-to"
 
 
 class _Elsewhere(Route):

@@ -295,4 +295,5 @@ def _study(
     # Asked before the campaigns are read: a process lets go of a study after its last campaign.
     has_process = context.studies.has_process(study_id)
     record = transaction.studies.get(study_id)
-    return study_of(record, PREFIX, has_process=has_process, notes=notes)
+    scenes = transaction.studies.scenes(study_id)
+    return study_of(record, scenes, PREFIX, has_process=has_process, notes=notes)

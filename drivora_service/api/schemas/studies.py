@@ -13,11 +13,14 @@ from drivora_service.oracles.verdicts.failure_definition import (
     state_definition,
 )
 from drivora_service.shapes import combine
+from drivora_service.store.campaigns.campaign_warnings import CampaignWarning
 from drivora_service.store.campaigns.study_records import (
     StudyRecord,
+    StudyScene,
     StudyState,
     StudySummary,
     state_of,
+    study_warnings,
 )
 
 
@@ -35,12 +38,15 @@ class Study(StudyRecord):
     Attributes:
         definition: What its campaigns count as failures.
         notes: Warnings; in the answer to posting only.
+        warnings: Warnings that a scene says little: its seed fails, or all or none of its
+            simulations do.
         campaigns_url: Address of its campaigns.
     """
 
     state: StudyState
     definition: StatedDefinition
     notes: tuple[str, ...] = ()
+    warnings: tuple[CampaignWarning, ...] = ()
     campaigns_url: str
 
 
@@ -71,12 +77,18 @@ def study_in_list(study: StudySummary, *, has_process: bool) -> StudyInList:
 
 
 def study_of(
-    study: StudyRecord, base: str, *, has_process: bool, notes: tuple[str, ...] = ()
+    study: StudyRecord,
+    scenes: tuple[StudyScene, ...],
+    base: str,
+    *,
+    has_process: bool,
+    notes: tuple[str, ...] = (),
 ) -> Study:
     """Returns a study with its addresses.
 
     Args:
         study: The study.
+        scenes: What it has found by seed scenario and ADS.
         base: Address of the API.
         has_process: Whether the process of a command runs it.
         notes: Warnings.
@@ -87,5 +99,6 @@ def study_of(
         definition=state_definition((definition_of(study.document),)),
         state=state_of(study, has_process=has_process),
         notes=notes,
+        warnings=study_warnings(scenes),
         campaigns_url=f"{base}/campaigns?study={study.id}",
     )

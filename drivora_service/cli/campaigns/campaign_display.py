@@ -12,12 +12,13 @@ from rich.live import Live
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
+from drivora_service.cli.campaigns.campaign_warning_text import warning_line
 from drivora_service.cli.terminal.log_pace import LogPace
 from drivora_service.cli.terminal.output import note, number
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.campaigns import Campaign
-    from drivora_service.store.campaigns.campaign_warnings import CampaignWarning, WarningCode
+    from drivora_service.store.campaigns.campaign_warnings import WarningCode
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,11 +114,6 @@ def _format_findings(campaign: Campaign, repeated: Repeated) -> str:
     if repeated.confirmed or repeated.flaky:
         parts.append(f"confirmed {repeated.confirmed}, flaky {repeated.flaky}")
     return " · ".join(parts)
-
-
-def warning_line(warning: CampaignWarning) -> str:
-    """Returns a warning in one line, with what to do and the page about it."""
-    return f"warning: {warning.message} {warning.advice} See {warning.page}"
 
 
 def duration(seconds: float) -> str:

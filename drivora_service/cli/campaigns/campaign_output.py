@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from drivora_service.api.schemas.campaigns import Campaign, Evaluation, Failure
+from drivora_service.cli.campaigns.campaign_warning_text import print_warning
 from drivora_service.cli.terminal.output import number, print_table
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountability
 from drivora_service.oracles.verdicts.failure_definition import StatedDefinition
@@ -62,9 +63,7 @@ def print_campaign(campaign: Campaign) -> None:
     print(f"  {counts.violating} failing ({_accountable(counts)})")
     print(f"  Failures are {campaign.definition.words}")
     for warning in campaign.warnings:
-        print(f"  Warning: {warning.message}")
-        print(f"    {warning.advice}")
-        print(f"    See {warning.page}")
+        print_warning(warning)
     if campaign.seeds:
         _print_seeds(campaign)
     if campaign.kinds:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -13,17 +13,24 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
 from drivora_service.cli.campaigns.campaign_display import duration
+from drivora_service.cli.campaigns.campaign_warning_text import warning_line
 from drivora_service.store.campaigns.campaign_records import CampaignState
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.studies import Study
+    from drivora_service.store.campaigns.campaign_warnings import WarningCode
 
 
 class StudyDisplay:
     """A progress bar of all simulations, and a line of counts below it."""
 
-    def __init__(self, study: Study) -> None:
-        """Creates the display of a study with the simulations that it has already."""
+    def __init__(self, study: Study, warn: Callable[[str], None] = lambda _line: None) -> None:
+        """Creates the display of a study with the simulations that it has already.
+
+        Args:
+            study: The study.
+            warn: Prints a line above the display.
+        """
         self._bar = Progress(
             BarColumn(bar_width=30),
             TextColumn("{task.completed}/{task.total} simulations"),
@@ -32,6 +39,8 @@ class StudyDisplay:
         )
         self._task = self._bar.add_task("", total=study.budget, pace="")
         self._found = Text()
+        self._warn = warn
+        self._warned: set[tuple[WarningCode, str]] = set()
         self._begun, self._before = time.monotonic(), study.simulations
         self.show(study)
 
@@ -55,6 +64,12 @@ class StudyDisplay:
         if states.get(CampaignState.FAILED):
             parts.append(f"campaigns failed {states[CampaignState.FAILED]}")
         self._found.plain = " · ".join(parts)
+        for warning in study.warnings:
+            # The numbers in a message change; the scene at its beginning does not.
+            known = (warning.code, warning.message.partition(": ")[0])
+            if known not in self._warned:
+                self._warned.add(known)
+                self._warn(warning_line(warning))
 
     def _pace(self, study: Study) -> str:
         """Returns the rate since this display began, and the time left at that rate."""
@@ -68,7 +83,8 @@ class StudyDisplay:
 @contextmanager
 def study_display(study: Study) -> Iterator[StudyDisplay]:
     """Shows a study on standard error while it runs."""
-    display, console = StudyDisplay(study), Console(stderr=True)
+    console = Console(stderr=True)
+    display = StudyDisplay(study, lambda line: console.print(Text(line), soft_wrap=True))
     try:
         with Live(display, console=console, refresh_per_second=4):
             yield display

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from drivora_service.api.schemas.studies import Study, StudyInList
+from drivora_service.cli.campaigns.campaign_warning_text import print_warning
 from drivora_service.cli.terminal.output import print_table
 from drivora_service.shapes import adapter
 from drivora_service.store.campaigns.campaign_records import CampaignState, CampaignSummary
@@ -60,6 +61,8 @@ def print_study(study: Study, campaigns: Sequence[CampaignSummary]) -> None:
         [row[1:] for row in rows],
         headings=[row[0] for row in rows],
     )
+    for warning in study.warnings:
+        print_warning(warning)
     for campaign in campaigns:
         if campaign.state is CampaignState.FAILED:
             print(f"campaign {campaign.id} ({campaign.name}) has failed: {campaign.message}")

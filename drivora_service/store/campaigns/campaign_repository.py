@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from drivora_service.agents.configuration import AgentConfiguration
 from drivora_service.errors import Conflict, UnknownName
-from drivora_service.shapes import adapter, combine, to_json
+from drivora_service.shapes import combine
 from drivora_service.store.campaigns.campaign_records import (
     BestScore,
     CampaignCounts,
@@ -24,7 +24,11 @@ from drivora_service.store.campaigns.campaign_records import (
     StudyCell,
 )
 from drivora_service.store.campaigns.campaign_tables import CampaignRow
-from drivora_service.store.campaigns.seed_run_records import SeedRun
+from drivora_service.store.campaigns.seed_run_records import (
+    SeedRun,
+    seed_runs_from_json,
+    seed_runs_to_json,
+)
 from drivora_service.store.engine.ids import new_id
 from drivora_service.store.engine.merging import Branch, first_numbers
 from drivora_service.store.engine.paging import make_token, read_token
@@ -190,7 +194,7 @@ class CampaignRepository:
             UnknownName: There is none of this id.
         """
         row = campaign_row(self._session, campaign_id)
-        row.seed_runs = to_json(tuple[SeedRun, ...], runs).decode()
+        row.seed_runs = seed_runs_to_json(runs)
 
     def is_first_of_its_scene(self, campaign_id: str) -> bool:
         """Returns whether no campaign of its study before it has its seed scenario and its ADS.
@@ -332,7 +336,7 @@ def _summary(row: CampaignRow) -> CampaignSummary:
         request=CampaignRequest(row.request),
         counts=combine(CampaignCounts, row),
         cell=_cell(row),
-        seed_runs=adapter(tuple[SeedRun, ...]).validate_json(row.seed_runs),
+        seed_runs=seed_runs_from_json(row.seed_runs),
     )
 
 

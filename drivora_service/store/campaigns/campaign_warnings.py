@@ -144,10 +144,12 @@ def _seed_words(one: SeedRun) -> str:
     name = f"{one.name!r} " if one.name else ""
     if one.error is not None and one.ads_failed:
         return f"{name}the ADS itself failed ({one.error.cause}: {one.error.message})"
-    firsts = list({verdict.oracle: verdict for verdict in reversed(one.failures)}.values())[::-1]
-    found = [_failure_words(verdict) for verdict in firsts[:_SHOWN_FAILURES]]
+    firsts: dict[str, Verdict] = {}
+    for verdict in one.failures:
+        firsts.setdefault(verdict.oracle, verdict)
+    found = [_failure_words(verdict) for verdict in list(firsts.values())[:_SHOWN_FAILURES]]
     more = len(firsts) - _SHOWN_FAILURES
-    return name + ", ".join(found) + (f" and {more} more oracles" if more > 0 else "")
+    return name + ", ".join(found) + (f" and {more} more" if more > 0 else "")
 
 
 def _failure_words(verdict: Verdict) -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from drivora_service.oracles.verdict import Verdict
 from drivora_service.runs.run_report import RunFailure, RunStatus
-from drivora_service.shapes import Shape
+from drivora_service.shapes import Shape, adapter, to_json
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,3 +37,16 @@ class SeedRun(Shape):
     def ads_failed(self) -> bool:
         """Whether the ADS itself failed: it raised, hung, died or answered invalidly."""
         return self.status is RunStatus.AGENT_FAILED
+
+
+def seed_runs_to_json(runs: tuple[SeedRun, ...]) -> str:
+    """Writes the runs of a campaign's seeds as JSON text."""
+    return to_json(tuple[SeedRun, ...], runs).decode()
+
+
+def seed_runs_from_json(text: str) -> tuple[SeedRun, ...]:
+    """Reads what :func:`seed_runs_to_json` has written."""
+    if text == "[]":
+        return ()
+    runs: tuple[SeedRun, ...] = adapter(tuple[SeedRun, ...]).validate_json(text)
+    return runs

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import StrEnum
 from typing import Any
@@ -14,6 +14,8 @@ from drivora_service.store.campaigns.campaign_records import (
     CampaignRequest,
     CampaignState,
 )
+from drivora_service.store.campaigns.campaign_warnings import CampaignWarning, campaign_warnings
+from drivora_service.store.campaigns.seed_run_records import SeedRun
 
 LONGEST_LABEL = 100
 """Characters of a name in a study."""
@@ -37,6 +39,36 @@ class StudyState(StrEnum):
     def is_active(self) -> bool:
         """Whether it runs, or waits for a process that will run it."""
         return self in (StudyState.QUEUED, StudyState.RUNNING)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyScene:
+    """The campaigns of a study with one seed scenario and one ADS, all methods together.
+
+    Attributes:
+        scenario: Name of the seed scenario in the study.
+        agent: Name of the ADS in the study.
+        counts: Sum of the counts of its campaigns.
+        seed_runs: The runs of the seed scenario as it is.
+        is_finished: Whether all of its campaigns are finished.
+    """
+
+    scenario: str
+    agent: str
+    counts: CampaignCounts
+    seed_runs: tuple[SeedRun, ...]
+    is_finished: bool
+
+
+def study_warnings(scenes: Iterable[StudyScene]) -> tuple[CampaignWarning, ...]:
+    """Returns the warnings about the scenes of a study, with their names, scene by scene."""
+    return tuple(
+        replace(warning, message=f"{scene.scenario}, {scene.agent}: {warning.message}")
+        for scene in scenes
+        for warning in campaign_warnings(
+            scene.counts, scene.seed_runs, is_finished=scene.is_finished
+        )
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import Row, func, select
+from sqlalchemy import Row, case, func, select
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import UnknownName
@@ -19,7 +19,8 @@ from drivora_service.store.campaigns.campaign_records import (
     StudyCell,
 )
 from drivora_service.store.campaigns.campaign_tables import CampaignRow, StudyRow
-from drivora_service.store.campaigns.study_records import StudyRecord, StudySummary
+from drivora_service.store.campaigns.seed_run_records import seed_runs_from_json
+from drivora_service.store.campaigns.study_records import StudyRecord, StudyScene, StudySummary
 from drivora_service.store.engine.ids import new_id
 from drivora_service.store.engine.paging import make_token, read_token
 from drivora_service.store.runs.run_records import Page
@@ -85,6 +86,35 @@ class StudyRepository:
         if states:
             query = query.where(CampaignRow.state.in_(states))
         return tuple(self._session.scalars(query.order_by(CampaignRow.seq)))
+
+    def scenes(self, study_id: str) -> tuple[StudyScene, ...]:
+        """Returns what the campaigns of a study have found, by seed scenario and ADS, in order."""
+        columns = CampaignRow.__table__.c
+        finished = case((CampaignRow.state == CampaignState.FINISHED, 1), else_=0)
+        rows = self._session.execute(
+            select(
+                CampaignRow.study_scenario,
+                CampaignRow.study_agent,
+                func.count().label("number"),
+                func.sum(finished).label("finished"),
+                # One campaign of a scene has them, and "[]" is less than any list.
+                func.max(CampaignRow.seed_runs).label("seed_runs"),
+                *(func.sum(columns[name]).label(name) for name in _COUNTED),
+            )
+            .where(CampaignRow.study_id == study_id)
+            .group_by(CampaignRow.study_scenario, CampaignRow.study_agent)
+            .order_by(func.min(CampaignRow.seq))
+        )
+        return tuple(
+            StudyScene(
+                scenario=row.study_scenario,
+                agent=row.study_agent,
+                counts=_sum_counts([row]),
+                seed_runs=seed_runs_from_json(row.seed_runs),
+                is_finished=row.finished == row.number,
+            )
+            for row in rows
+        )
 
     def cells(self, study_id: str) -> tuple[tuple[str, CampaignState, StudyCell], ...]:
         """Returns the campaigns of a study in their order: id, state, and place in the study."""
@@ -155,11 +185,15 @@ class StudyRepository:
         return tuple(_summary(row, found[row.id]) for row in rows)
 
 
-def _summary(row: StudyRow, parts: Sequence[Row[Any]]) -> StudySummary:
+def _sum_counts(parts: Sequence[Row[Any]]) -> CampaignCounts:
     # Old campaigns lack some counts, but none of them is of a study, except for the newest count.
     sums = {name: sum(getattr(part, name) or 0 for part in parts) for name in _COUNTED}
     is_old = any(part.agent_failed is None for part in parts)
-    counts = CampaignCounts(**sums | ({"agent_failed": None} if is_old else {}))
+    return CampaignCounts(**sums | ({"agent_failed": None} if is_old else {}))
+
+
+def _summary(row: StudyRow, parts: Sequence[Row[Any]]) -> StudySummary:
+    counts = _sum_counts(parts)
     return combine(
         StudySummary,
         row,

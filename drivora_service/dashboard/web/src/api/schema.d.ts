@@ -2244,6 +2244,12 @@ export interface components {
              */
             runs_url: string;
             /**
+             * Seed Runs
+             * @description The runs of its seed scenarios as they are, outside the budget; of many the first. Empty until they have ended, and if they were not made.
+             * @default []
+             */
+            seed_runs: components["schemas"]["SeedRun"][];
+            /**
              * Seeds
              * @description Findings by seed scenario; empty if there is only one.
              * @default []
@@ -2280,12 +2286,23 @@ export interface components {
             versions: {
                 [key: string]: string;
             };
+            /**
+             * Warnings
+             * @description Warnings that it says little: a seed fails, or all or none of its simulations do.
+             */
+            readonly warnings: components["schemas"]["CampaignWarning"][];
         };
         /**
          * CampaignCounts
          * @description Counts of a campaign's evaluations so far.
          */
         CampaignCounts: {
+            /**
+             * Agent Failed
+             * @description Those without a result in which the ADS itself failed; null if the campaign began before this was recorded.
+             * @default 0
+             */
+            agent_failed: number | null;
             /**
              * At Fault
              * @description Candidates with a failure for which an ego is known to be responsible.
@@ -2806,6 +2823,12 @@ export interface components {
              */
             revision: number;
             /**
+             * Seed Runs
+             * @description The runs of its seed scenarios as they are, outside the budget; of many the first. Empty until they have ended, and if they were not made.
+             * @default []
+             */
+            seed_runs: components["schemas"]["SeedRun"][];
+            /**
              * Simulations
              * @description Simulations so far.
              */
@@ -2829,6 +2852,11 @@ export interface components {
              * @description When its tester was last told an evaluation, or its state changed.
              */
             updated_at: string;
+            /**
+             * Warnings
+             * @description Warnings that it says little: a seed fails, or all or none of its simulations do.
+             */
+            readonly warnings: components["schemas"]["CampaignWarning"][];
         };
         /**
          * CampaignTableName
@@ -2862,6 +2890,29 @@ export interface components {
             town: string;
             /** Valid */
             valid: boolean;
+        };
+        /**
+         * CampaignWarning
+         * @description A warning that a campaign says little, as far as it is.
+         */
+        CampaignWarning: {
+            /**
+             * Advice
+             * @description What to do first.
+             */
+            advice: string;
+            /** @description What it is about. */
+            code: components["schemas"]["WarningCode"];
+            /**
+             * Message
+             * @description What was found.
+             */
+            message: string;
+            /**
+             * Page
+             * @description Page of the documentation with causes and commands, and the section.
+             */
+            page: string;
         };
         /**
          * Change
@@ -7004,6 +7055,49 @@ export interface components {
             violating: number;
         };
         /**
+         * SeedRun
+         * @description The run of a seed scenario as it is, which a campaign makes outside its budget.
+         */
+        SeedRun: {
+            /** @description Why the run was not judged; null if it was. */
+            error?: components["schemas"]["RunFailure"] | null;
+            /**
+             * Failures
+             * @description Verdicts that the campaign counts as failures.
+             * @default []
+             */
+            failures: components["schemas"]["Verdict"][];
+            /**
+             * Name
+             * @description Its name in the campaign; empty if there is only one.
+             */
+            name: string;
+            /**
+             * Place
+             * @description Place of the seed scenario in the campaign, from 0.
+             */
+            place: number;
+            /**
+             * Run Id
+             * @description Id of the run.
+             */
+            run_id: string;
+            /**
+             * Sim Time S
+             * @description Simulated seconds.
+             * @default 0
+             */
+            sim_time_s: number;
+            /** @description How the run ended. */
+            status: components["schemas"]["RunStatus"];
+            /**
+             * Wall Time S
+             * @description Seconds of the run in its worker.
+             * @default 0
+             */
+            wall_time_s: number;
+        };
+        /**
          * Sensor
          * @description The sensor of an ego, by the weather of the run.
          */
@@ -7535,6 +7629,12 @@ export interface components {
              * @description When a campaign of it was last told an evaluation, or changed its state.
              */
             updated_at: string;
+            /**
+             * Warnings
+             * @description Warnings that a scene says little: its seed fails, or all or none of its simulations do.
+             * @default []
+             */
+            warnings: components["schemas"]["CampaignWarning"][];
         };
         /**
          * StudyAgentDocument
@@ -9060,6 +9160,12 @@ export interface components {
              */
             z: number | null;
         };
+        /**
+         * WarningCode
+         * @description What a warning is about.
+         * @enum {string}
+         */
+        WarningCode: "ads_fails" | "no_results" | "seed_fails" | "all_fail" | "none_fails";
         /**
          * WaypointDocument
          * @description A waypoint of a vehicle.

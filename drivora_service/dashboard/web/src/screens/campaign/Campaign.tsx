@@ -6,6 +6,7 @@ import { Mark } from "../../components/Mark";
 import { count } from "../../components/numbers";
 import { Loading, Refused } from "../../components/States";
 import { Tabs } from "../../components/Tabs";
+import { Warnings } from "../../components/Warnings";
 import { useTitle } from "../../shell/useTitle";
 import { Actions } from "../campaigns/Actions";
 import { lookOfSearch } from "../campaigns/state";
@@ -66,6 +67,7 @@ function Loaded({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
         </section>
       )}
       <Answer campaign={campaign} />
+      <Warnings warnings={campaign.warnings} />
       <Judged campaign={campaign} />
       <div className="two wide-first">
         <section className="panel">

@@ -7,6 +7,7 @@ import { Mark } from "../../components/Mark";
 import { count } from "../../components/numbers";
 import { Progress } from "../../components/Progress";
 import { Loading, Refused } from "../../components/States";
+import { Warnings } from "../../components/Warnings";
 import { useTitle } from "../../shell/useTitle";
 import { Actions } from "../campaigns/Actions";
 import { COLUMNS } from "../campaigns/columns";
@@ -70,6 +71,7 @@ function Loaded({
           `; ${count(study.counts.avoidable)} of them count: an ego was at fault, and it was avoidable`}
         .
       </p>
+      <Warnings warnings={study.warnings} />
       <section className="panel">
         <header>
           <h2>Failures that count + others</h2>
