@@ -9,7 +9,8 @@ from collections.abc import Iterator
 import httpx
 import pytest
 
-from drivora_service.dashboard.page import BUILT, SECTIONS
+from drivora_service.dashboard.page import BUILT, HELP, SECTIONS
+from drivora_service.store.campaigns.campaign_warnings import PAGE
 
 ROUTER = BUILT.with_name("web") / "src" / "router.tsx"
 
@@ -119,6 +120,20 @@ def test_files_are_sent_as_the_browser_accepts_them(client: httpx.Client) -> Non
 @pytest.mark.parametrize("name", ["none.js", "..%2Findex.html", "%2e%2e%2findex.html"])
 def test_other_files_are_not_sent(client: httpx.Client, name: str) -> None:
     assert client.get(f"/assets/{name}").status_code == 404
+
+
+def test_the_service_has_the_pages_that_warnings_link_to(client: httpx.Client) -> None:
+    answer = client.get("/help/when-everything-or-nothing-fails")
+    assert answer.status_code == 200
+    assert answer.headers["content-type"] == "text/plain; charset=utf-8"
+    assert answer.text.startswith("# Your ADS fails everything (or nothing)\n")
+    name, _, _ = PAGE.rpartition(".")
+    assert name.rpartition("/")[2] in HELP
+
+
+@pytest.mark.parametrize("name", ["add-an-agent", "nothing", "..%2Findex", "%2e%2e%2fREADME"])
+def test_other_pages_are_not_sent(client: httpx.Client, name: str) -> None:
+    assert client.get(f"/help/{name}").status_code == 404
 
 
 def test_the_first_download_is_small() -> None:

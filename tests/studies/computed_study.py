@@ -26,10 +26,12 @@ from tests.campaigns.analytic import Computed
 def perform(spec: RunSpec) -> RunReport:
     """Computes a run: it fails where the first NPC vehicle starts fast, and at that place.
 
-    Where it starts a little slower, the ego is hit by another's fault.
+    Where it starts a little slower, the ego is hit by another's fault. A seed scenario, which has
+    none, does not fail.
     """
     scenario = json.loads(spec.document)
-    start = scenario["npc_vehicles"][0]["route"][0]
+    vehicles = scenario["npc_vehicles"]
+    start = vehicles[0]["route"][0] if vehicles else {"x": 0.0, "y": 0.0, "speed": 0.0}
     violated = start["speed"] > 10.0
     is_hit = 8.0 < start["speed"] <= 10.0
     verdict = Verdict(

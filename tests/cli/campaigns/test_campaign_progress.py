@@ -6,16 +6,22 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import cast
 
+import pytest
 from rich.console import Console
 
 from drivora_service.api.documentation.recorded_examples import read_recorded
 from drivora_service.api.schemas.campaigns import Campaign, Failure
 from drivora_service.cli.campaigns.campaign_display import CampaignDisplay, Repeated
+from drivora_service.cli.campaigns.campaign_output import print_campaign
 from drivora_service.cli.campaigns.campaign_running import RepeatedCounter
 from drivora_service.client import Client
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.shapes import adapter
-from drivora_service.store.campaigns.campaign_records import Confirmation, FailureKind
+from drivora_service.store.campaigns.campaign_records import (
+    CampaignCounts,
+    Confirmation,
+    FailureKind,
+)
 
 
 def failure(evaluation: int, kind: str, confirmation: Confirmation) -> Failure:
@@ -105,3 +111,27 @@ def test_the_line_below_the_bar_has_these_numbers() -> None:
     with console.capture() as printed:
         console.print(display)
     assert "· confirmed 2, flaky 1" in printed.get()
+
+
+def test_each_kind_of_warning_is_printed_once_above_the_bar() -> None:
+    lines: list[str] = []
+    display, campaign = CampaignDisplay(40, lines.append), campaign_with(())
+    few = replace(campaign, counts=CampaignCounts(judged=9, violating=9), seed_runs=())
+    display.show(few, Repeated())
+    assert not lines
+    for judged in (10, 12, 15):
+        counts = CampaignCounts(judged=judged, violating=judged)
+        display.show(replace(few, counts=counts), Repeated())
+    (line,) = lines
+    assert line.startswith("warning: 10 of 10 simulations fail. ")
+    assert line.endswith(" See docs/how-to/when-everything-or-nothing-fails.md#everything-fails")
+
+
+def test_the_warnings_of_a_campaign_are_printed_with_what_to_do(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    counts = CampaignCounts(judged=300)
+    print_campaign(replace(campaign_with(()), counts=counts, seed_runs=()))
+    printed = capsys.readouterr().out
+    assert "  Warning: No failure in 300 simulations: if they were drawn at random, at" in printed
+    assert "    See docs/how-to/when-everything-or-nothing-fails.md#nothing-fails\n" in printed

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -21,6 +22,8 @@ from drivora_service.store.campaigns.campaign_records import (
     FailureFilter,
     NewCampaign,
 )
+from drivora_service.store.campaigns.campaign_warnings import WarningCode
+from drivora_service.store.campaigns.seed_run_records import SeedRun
 from drivora_service.store.database import Database
 from drivora_service.store.traces.trace_folders import CampaignTraces, TraceFolder
 from drivora_service.store.upkeep.backup import back_up
@@ -405,3 +408,54 @@ def test_the_scenario_of_no_evaluation_is_refused_as_the_evaluation_is(database:
     refused = pytest.raises(UnknownName, match="unknown evaluation '9'")
     with database.read() as transaction, refused:
         transaction.evaluations.document(campaign_id, 9)
+
+
+def test_the_runs_of_seeds_are_kept_and_change_the_campaign(database: Database) -> None:
+    campaign_id = create(database)
+    violated = Verdict(oracle="collision", ego="ego_0", outcome=Outcome.VIOLATED, message="m")
+    runs = (
+        SeedRun(place=0, name="a", run_id="r", status=RunStatus.FINISHED, failures=(violated,)),
+        SeedRun(
+            place=1,
+            name="b",
+            run_id="s",
+            status=RunStatus.AGENT_FAILED,
+            error=RunFailure(cause="agent_raised", message="no camera"),
+        ),
+    )
+    with database.read() as transaction:
+        before = transaction.campaigns.get(campaign_id)
+    assert (before.seed_runs, before.warnings) == ((), ())
+    with database.write() as transaction:
+        transaction.campaigns.keep_seed_runs(campaign_id, runs)
+    with database.read() as transaction:
+        after = transaction.campaigns.get(campaign_id)
+        (listed,) = transaction.campaigns.page().items
+    assert after.seed_runs == listed.seed_runs == runs
+    assert [one.code for one in after.warnings] == [WarningCode.SEED_FAILS]
+    assert after.revision > before.revision
+
+
+def test_failures_of_the_ads_itself_are_counted(database: Database) -> None:
+    campaign_id = create(database)
+    failed = [
+        replace(
+            one := evaluation(number, status=EvaluationStatus.FAILED),
+            report=replace(one.report, status=status),
+        )
+        for number, status in enumerate((RunStatus.AGENT_FAILED, RunStatus.TIMED_OUT))
+    ]
+    with database.write() as transaction:
+        entries = [(one, str(one.number)) for one in failed]
+        transaction.evaluations.append(campaign_id, entries, active_s=1.0)
+    with database.read() as transaction:
+        counts = transaction.campaigns.get(campaign_id).counts
+    assert (counts.failed, counts.agent_failed) == (2, 1)
+    # A campaign from before this was counted never gets a partial count.
+    with database.write() as transaction:
+        transaction.session.execute(text("UPDATE campaigns SET agent_failed = NULL"))
+    with database.write() as transaction:
+        later = replace(failed[0], number=2)
+        transaction.evaluations.append(campaign_id, [(later, "0")], active_s=1.0)
+    with database.read() as transaction:
+        assert transaction.campaigns.get(campaign_id).counts.agent_failed is None

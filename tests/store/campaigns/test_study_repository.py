@@ -5,14 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from sqlalchemy import text
 
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.errors import Conflict, InvalidDocument, UnknownName
+from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.campaigns.campaign_records import CampaignRequest, CampaignState
-from drivora_service.store.campaigns.study_records import StudyState, state_of
+from drivora_service.store.campaigns.seed_run_records import SeedRun
+from drivora_service.store.campaigns.study_records import StudyState, state_of, study_warnings
 from drivora_service.store.database import Database
 from drivora_service.store.locks.work_locks import LongWork
 from drivora_service.studies.study_storing import stop_study
+from tests.store.campaigns.test_campaign_repository import create
 from tests.studies.example_study import stored
 
 QUEUED, RUNNING = CampaignState.QUEUED, CampaignState.RUNNING
@@ -158,3 +163,37 @@ def test_a_cancellation_ends_every_campaign_that_is_not_over(
     set_states(database, finished, *(FINISHED,) * 16)
     with pytest.raises(Conflict, match="are over"):
         stop_study(database, finished, CampaignRequest.CANCEL)
+
+
+def test_the_scenes_of_a_study_have_the_runs_of_their_seeds(
+    database: Database, catalogues: Catalogues, tmp_path: Path
+) -> None:
+    study_id = stored(database, catalogues, tmp_path)
+    stored(database, catalogues, tmp_path, name="other")
+    alone = create(database)
+    violated = Verdict(oracle="collision", ego="ego_0", outcome=Outcome.VIOLATED, message="m")
+    run = SeedRun(place=0, name="", run_id="r", status=RunStatus.FINISHED, failures=(violated,))
+    with database.write() as transaction:
+        ids = transaction.studies.campaign_ids(study_id)
+        first = [one for one in ids if transaction.campaigns.is_first_of_its_scene(one)]
+        cells = [transaction.campaigns.get(one).cell for one in first]
+        transaction.campaigns.keep_seed_runs(first[1], (run,))
+        transaction.session.execute(
+            text("UPDATE campaigns SET judged = 3, violating = 2 WHERE id = :id"), {"id": ids[0]}
+        )
+    assert len(first) == 4
+    assert {(cell.method, cell.repetition) for cell in cells if cell} == {("random", 1)}
+    with database.read() as transaction:
+        scenes = transaction.studies.scenes(study_id)
+        assert transaction.campaigns.is_first_of_its_scene(alone)
+    assert [(one.scenario, one.agent) for one in scenes] == [
+        (cell.scenario, cell.agent) for cell in cells if cell
+    ]
+    assert [one.seed_runs for one in scenes] == [(), (run,), (), ()]
+    assert (scenes[0].counts.judged, scenes[0].counts.violating) == (3, 2)
+    assert not any(one.is_finished for one in scenes)
+    (warning,) = study_warnings(scenes)
+    assert warning.message == "first, idm-mobil: The seed scenario itself fails: collision."
+    set_states(database, study_id, *[FINISHED] * 16)
+    with database.read() as transaction:
+        assert all(one.is_finished for one in transaction.studies.scenes(study_id))
