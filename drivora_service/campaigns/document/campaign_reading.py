@@ -29,6 +29,11 @@ from drivora_service.campaigns.document.feedback_choosing import (
 )
 from drivora_service.campaigns.document.feedback_documents import FeedbackDocument
 from drivora_service.campaigns.document.space_notes import range_notes
+from drivora_service.campaigns.document.campaign_notes import (
+    agent_notes,
+    note_in_campaign,
+    range_notes,
+)
 from drivora_service.errors import (
     InvalidDocument,
     OracleError,
@@ -41,7 +46,6 @@ from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.oracles.non_optimal_decision import NonOptimalDecision
 from drivora_service.parameters import parameter_problems
-from drivora_service.scenario.checks.speed_notes import wanted_speed_notes
 from drivora_service.scenario.document_problems import in_document_order, structural_problems
 from drivora_service.scenario.entities import AgentDocument
 from drivora_service.scenario.model import Scenario
@@ -207,9 +211,9 @@ def read_campaign(
         notes=(
             *_space_notes(document.space),
             *range_notes(document.space, [(seed.scenario, seed.network) for seed in seeds]),
-            *_agent_notes(campaign, seeds),
+            *agent_notes(campaign.agent, [(seed.scenario, seed.network) for seed in seeds]),
             *(
-                _scenario_note(note, number if seed.name else None, seed.name)
+                note_in_campaign(note, number if seed.name else None, seed.name)
                 for number, (seed, one) in enumerate(zip(seeds, found, strict=True))
                 for note in one.notes
             ),
@@ -235,39 +239,6 @@ def _space_notes(space: SpaceDocument) -> Iterator[str]:
     ]
     note = f"the space is the preset {space.preset.value!r}: {preset.description}"
     yield f"{note}; changed in the file: {', '.join(changed)}" if changed else note
-
-
-def _scenario_note(note: str, number: int | None, name: str) -> str:
-    """Returns a note on a seed scenario as one on the campaign.
-
-    Args:
-        note: The note; it may begin with a JSON pointer.
-        number: Place among several seed scenarios; ``None``: it is the only one.
-        name: Name of the seed scenario, where there are several.
-    """
-    if note.startswith("/"):
-        place = "/scenario" if number is None else f"/scenarios/{number}/scenario"
-        return f"{place}{note}"
-    return note if number is None else f"{name}: {note}"
-
-
-def _agent_notes(campaign: Campaign, seeds: Sequence[SeedScenario]) -> Iterator[str]:
-    """Yields notes on speeds among the parameters of the campaign's own agent."""
-    if campaign.agent is None:
-        return
-    for seed in seeds:
-        notes = [
-            *wanted_speed_notes(
-                ("agent", "parameters"),
-                campaign.agent.parameters,
-                seed.scenario.ego_vehicles,
-                seed.network,
-            )
-        ]
-        if notes:
-            # Those of other seed scenarios say the same.
-            yield from notes
-            return
 
 
 def _oracle_notes(

@@ -1,4 +1,4 @@
-"""Notes on ranges of a campaign's space that are far from what its seed scenarios allow."""
+"""Notes on figures of a campaign that are far from what its seed scenarios allow."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from drivora_service.scenario.checks.noted_figures import (
     placed,
     speed_words,
 )
+from drivora_service.scenario.checks.speed_notes import wanted_speed_notes
 from drivora_service.scenario.checks.time_notes import latest_end
-from drivora_service.scenario.model import Scenario
+from drivora_service.scenario.model import AgentChoice, Scenario
 from drivora_service.scenario.waypoint_speeds import GRAVITY
 
 
@@ -35,6 +36,39 @@ def range_notes(
         yield from _speed_notes(space, seeds)
         yield from _acceleration_notes(space)
     yield from _delay_notes(space, seeds)
+
+
+def agent_notes(
+    agent: AgentChoice | None, seeds: Sequence[tuple[Scenario, RoadNetwork]]
+) -> list[str]:
+    """Returns notes on speeds among the parameters of the campaign's own agent.
+
+    Args:
+        agent: The agent; ``None``: the seed scenarios have theirs.
+        seeds: The seed scenarios, each with its road network.
+    """
+    if agent is None:
+        return []
+    found = (
+        [*wanted_speed_notes(("agent", "parameters"), agent.parameters, egos, network)]
+        for egos, network in ((scenario.ego_vehicles, network) for scenario, network in seeds)
+    )
+    # Those of other seed scenarios say the same.
+    return next((notes for notes in found if notes), [])
+
+
+def note_in_campaign(note: str, number: int | None, name: str) -> str:
+    """Returns a note on a seed scenario as one on the campaign.
+
+    Args:
+        note: The note; it may begin with a JSON pointer.
+        number: Place among several seed scenarios; ``None``: it is the only one.
+        name: Name of the seed scenario, where there are several.
+    """
+    if note.startswith("/"):
+        place = "/scenario" if number is None else f"/scenarios/{number}/scenario"
+        return f"{place}{note}"
+    return note if number is None else f"{name}: {note}"
 
 
 def _speed_notes(
