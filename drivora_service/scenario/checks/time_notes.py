@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.networks.routes.routing import plan_route
@@ -10,7 +10,13 @@ from drivora_service.scenario.checks.noted_figures import duration_words, placed
 from drivora_service.scenario.checks.route_checks import route_points
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import LightTimesDocument
-from drivora_service.scenario.model import Scenario
+from drivora_service.scenario.model import (
+    EgoVehicle,
+    NpcObstacle,
+    NpcVehicle,
+    NpcWalker,
+    Scenario,
+)
 
 LONG_STAGE = 300.0
 """Seconds; the cycles of signal programmes last at most two to three minutes."""
@@ -26,6 +32,8 @@ _UNHURRIED = 5.0
 """m/s."""
 _WAITING = 600.0
 """Seconds that a derived time limit may have for waiting at signals."""
+
+_Actor = EgoVehicle | NpcVehicle | NpcWalker | NpcObstacle
 
 
 def time_notes(document: ScenarioDocument, scenario: Scenario, network: RoadNetwork) -> list[str]:
@@ -66,28 +74,29 @@ def _late_notes(scenario: Scenario, end: float) -> Iterator[str]:
     """Yields a note for each time at which the episode has ended."""
     is_given = scenario.max_sim_time is not None
     over = f"the run ends at {end:g} s" if is_given else f"the run has ended before {end:.0f} s"
-    for name, actors, effect in (
+    lists: tuple[tuple[str, Sequence[_Actor], str], ...] = (
         ("ego_vehicles", scenario.ego_vehicles, "it never drives"),
         ("npc_vehicles", scenario.npc_vehicles, "it never appears"),
         ("npc_walkers", scenario.npc_walkers, "it never appears"),
         ("npc_obstacles", scenario.npc_obstacles, "it never appears"),
-    ):
+    )
+    for name, actors, effect in lists:
         for index, actor in enumerate(actors):
             if actor.start_time >= end:
                 yield _late((name, index, "start_time"), actor.start_time, over, effect)
     for index, npc in enumerate(scenario.npc_vehicles):
         for number, point in enumerate(npc.route):
             if point.wait is not None and point.wait >= end:
-                place = ("npc_vehicles", index, "route", number, "wait")
-                yield _late(place, point.wait, over, "it stands there for the rest of the run")
+                wait = ("npc_vehicles", index, "route", number, "wait")
+                yield _late(wait, point.wait, over, "it stands there for the rest of the run")
     for index, change in enumerate(scenario.weather_changes):
         if change.time >= end:
-            place = ("weather_changes", index, "time")
-            yield _late(place, change.time, over, "it never changes")
+            change_time = ("weather_changes", index, "time")
+            yield _late(change_time, change.time, over, "it never changes")
     background = scenario.background_traffic
     if background is not None and background.start_time >= end:
-        place = ("background_traffic", "start_time")
-        yield _late(place, background.start_time, over, "there is none")
+        start = ("background_traffic", "start_time")
+        yield _late(start, background.start_time, over, "there is none")
 
 
 def _late(place: tuple[str | int, ...], time: float, over: str, effect: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -40,7 +41,7 @@ def seeds_that(**changes: object) -> Work:
     return work
 
 
-def violated(oracle: str, time: float, **changes: bool) -> Verdict:
+def violated(oracle: str, time: float, **changes: Any) -> Verdict:
     return Verdict(
         oracle=oracle, ego="ego", outcome=Outcome.VIOLATED, message="", time=time, **changes
     )

@@ -89,7 +89,11 @@ def test_a_campaign_that_found_nothing_has_no_group_of_failures(study: Study) ->
     assert told.groups == ()
     assert told.figures is not None
     assert (told.figures.groups, told.figures.budget) == (0, 12)
-    assert "| groups of similar failures | 0 |" in report_markdown(told)
+    text = report_markdown(told)
+    assert "| groups of similar failures | 0 |" in text
+    assert "## Warnings\n\n- No failure in 12 simulations: if they were drawn at random, at" in text
+    assert "See `docs/how-to/when-everything-or-nothing-fails.md#nothing-fails`." in text
+    assert "| seed scenarios as they are, outside the budget | 0 of 1 fail |" in text
 
 
 def test_a_campaign_that_has_not_begun_has_a_report(study: Study) -> None:
