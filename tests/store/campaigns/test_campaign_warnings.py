@@ -53,7 +53,7 @@ def test_a_campaign_without_simulations_has_no_warning() -> None:
 def test_nearly_all_of_ten_and_more_simulations_are_all(
     judged: int, violating: int, is_warned: bool
 ) -> None:
-    counts = {"judged": judged, "violating": violating}
+    counts: dict[str, Any] = {"judged": judged, "violating": violating}
     assert codes(**counts) == (["all_fail"] if is_warned else [])
     assert codes(**counts, is_finished=True) == codes(**counts)
 
@@ -110,7 +110,7 @@ def test_a_failing_seed_is_named_with_what_fails() -> None:
 
 
 def test_where_all_fail_it_is_said_whether_the_seed_passes() -> None:
-    counts = {"judged": 10, "violating": 10}
+    counts: dict[str, Any] = {"judged": 10, "violating": 10}
     (unknown,) = found(**counts)
     (passing,) = found(seed(), **counts)
     _, failing = found(seed(violated("collision")), **counts)
