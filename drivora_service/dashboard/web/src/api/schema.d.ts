@@ -15982,7 +15982,7 @@ export interface operations {
                      *     # TYPE drivora_runs gauge
                      *     drivora_runs{status="queued"} 0.0
                      *     drivora_runs{status="running"} 0.0
-                     *     drivora_runs{status="finished"} 219.0
+                     *     drivora_runs{status="finished"} 225.0
                      *     drivora_runs{status="invalid"} 0.0
                      *     drivora_runs{status="agent_failed"} 0.0
                      *     drivora_runs{status="plugin_failed"} 0.0
