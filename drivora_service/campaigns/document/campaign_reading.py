@@ -21,6 +21,11 @@ from drivora_service.campaigns.document.campaign_documents import (
     TesterDocument,
     to_campaign,
 )
+from drivora_service.campaigns.document.campaign_notes import (
+    agent_notes,
+    note_in_campaign,
+    range_notes,
+)
 from drivora_service.campaigns.document.feedback_choosing import (
     FeedbackReading,
     feedback_notes,
@@ -28,12 +33,6 @@ from drivora_service.campaigns.document.feedback_choosing import (
     versions_of_objectives,
 )
 from drivora_service.campaigns.document.feedback_documents import FeedbackDocument
-from drivora_service.campaigns.document.space_notes import range_notes
-from drivora_service.campaigns.document.campaign_notes import (
-    agent_notes,
-    note_in_campaign,
-    range_notes,
-)
 from drivora_service.errors import (
     InvalidDocument,
     OracleError,

@@ -2493,6 +2493,11 @@ export interface components {
              */
             counts: components["schemas"]["Counted"];
             /**
+             * @description What the tester minimises; without it, what its own feedback measures.
+             * @default null
+             */
+            feedback: components["schemas"]["FeedbackDocument"] | null;
+            /**
              * Lookahead
              * @description Number of candidates that may wait for their results. It determines the search, the number of workers does not; it should be a few times that number.
              * @default 8
@@ -3288,6 +3293,12 @@ export interface components {
              */
             title: string;
         };
+        /**
+         * Direction
+         * @description The direction of a search.
+         * @enum {string}
+         */
+        Direction: "minimise" | "maximise";
         /**
          * DiscoveryCurve
          * @description Simulations with failures of one oracle or one kind.
@@ -4093,6 +4104,48 @@ export interface components {
              * @description Condition of `/readyz` that is not met.
              */
             name: string;
+        };
+        /**
+         * FeedbackDocument
+         * @description What a search minimises, in place of the objectives of the tester's own feedback.
+         */
+        FeedbackDocument: {
+            /**
+             * @description Direction of the search; without it, the one that is worse for the ADS.
+             * @default null
+             */
+            direction: components["schemas"]["Direction"] | null;
+            /**
+             * Name
+             * @description An objective, a metric or a traffic law, or a feedback with all of its objectives: a name of `drivora metrics list`.
+             * @default null
+             */
+            name: string | null;
+            /**
+             * Objectives
+             * @description Several objectives, in place of one.
+             * @default null
+             */
+            objectives: components["schemas"]["ObjectiveDocument"][] | null;
+            /**
+             * Parameters
+             * @description Parameters that differ from the defaults of a feedback.
+             */
+            parameters?: {
+                [key: string]: components["schemas"]["JsonValue"];
+            };
+            /**
+             * Scale
+             * @description Distance from the target that counts one half, in the unit of the objective, where a method needs values in 0..1.
+             * @default 1
+             */
+            scale: number;
+            /**
+             * Target
+             * @description Value that is a failure, in the unit of the objective; without it, 0 for objectives, and none for metrics.
+             * @default null
+             */
+            target: number | null;
         };
         /**
          * FeedbackMode
@@ -4940,7 +4993,7 @@ export interface components {
             definition: string;
             /**
              * Feedback
-             * @description Feedback that measures the objective; empty for a metric.
+             * @description Feedback that measures the objective; empty for a metric, and for the objective of a law or an oracle.
              */
             feedback: string;
             kind: components["schemas"]["MeasureKind"];
@@ -4975,7 +5028,7 @@ export interface components {
         MeasureKind: "metric" | "objective";
         /**
          * MeasureList
-         * @description All metrics, and the objectives of searches.
+         * @description All metrics, and the objectives of searches, those of packages among them.
          */
         MeasureList: {
             /** Items */
@@ -5716,6 +5769,40 @@ export interface components {
              * @default null
              */
             z: number | null;
+        };
+        /**
+         * ObjectiveDocument
+         * @description An objective of a search.
+         */
+        ObjectiveDocument: {
+            /**
+             * @description Direction of the search; without it, the one that is worse for the ADS.
+             * @default null
+             */
+            direction: components["schemas"]["Direction"] | null;
+            /**
+             * Name
+             * @description An objective, a metric or a traffic law: a name of `drivora metrics list`.
+             */
+            name: string;
+            /**
+             * Scale
+             * @description Distance from the target that counts one half, in the unit of the objective, where objectives are weighed or a method needs values in 0..1.
+             * @default 1
+             */
+            scale: number;
+            /**
+             * Target
+             * @description Value that is a failure, in the unit of the objective; without it, 0 for objectives, and none for metrics.
+             * @default null
+             */
+            target: number | null;
+            /**
+             * Weight
+             * @description Weight in a sum of all; without any weight, each is an objective by itself.
+             * @default null
+             */
+            weight: number | null;
         };
         /**
          * Oracle
@@ -7775,6 +7862,11 @@ export interface components {
              */
             counts: components["schemas"]["Counted"];
             /**
+             * @description What every method minimises; without it, what its own feedback measures.
+             * @default null
+             */
+            feedback: components["schemas"]["FeedbackDocument"] | null;
+            /**
              * Lookahead
              * @description Number of candidates of a campaign that may wait for their results.
              * @default 8
@@ -8096,10 +8188,15 @@ export interface components {
             feedback: components["schemas"]["FeedbackMode"];
             /**
              * Label
-             * @description Its name in the study; without it, that of the tester, with `without feedback` if that is shuffled.
+             * @description Its name in the study; without it, that of the tester, with `without feedback` if that is shuffled, and with `by` and the names of `minimises`.
              * @default null
              */
             label: string | null;
+            /**
+             * @description What it minimises, in place of the `feedback` of the study.
+             * @default null
+             */
+            minimises: components["schemas"]["FeedbackDocument"] | null;
             /**
              * Mutation
              * @description A mutation in place of the tester's own.
