@@ -1,4 +1,4 @@
-"""Links between the pages, and from the index to every page."""
+"""Links between the pages, and from the index and the lists of its readers to every page."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from pathlib import Path
 import pytest
 
 _ROOT = Path(__file__).resolve().parents[2]
+READERS = ("engineers", "researchers", "operators", "contributors")
+MOST_LINKS = 30
+"""Links of the index: a reader looks for a question, not through a list."""
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 PAGES = sorted(
     path.relative_to(_ROOT).as_posix()
@@ -36,8 +39,18 @@ def test_no_link_is_dead(page: str) -> None:
         assert not anchor or anchor in _anchors(target), link
 
 
-def test_the_index_leads_to_every_page() -> None:
-    index = _ROOT / "docs" / "index.md"
-    reached = {(index.parent / link.partition("#")[0]).resolve() for link in _links(index)}
-    pages = {path.resolve() for path in (_ROOT / "docs").rglob("*.md")} - {index}
+def test_the_index_and_the_lists_of_readers_lead_to_every_page() -> None:
+    docs = _ROOT / "docs"
+    index = docs / "index.md"
+    lists = [docs / f"{reader}.md" for reader in READERS]
+    reached = {
+        (page.parent / link.partition("#")[0]).resolve()
+        for page in (index, *lists, docs / "decisions" / "index.md")
+        for link in _links(page)
+    }
+    pages = {path.resolve() for path in docs.rglob("*.md")} - {index}
     assert sorted(path.name for path in pages - reached) == []
+
+
+def test_the_index_can_be_read_at_a_glance() -> None:
+    assert len(_links(_ROOT / "docs" / "index.md")) <= MOST_LINKS
