@@ -16,6 +16,7 @@ from drivora_service.cli.campaigns.campaign_files import shipped_campaigns
 from tests.campaigns.test_example_campaigns import DISCOVERIES
 from tests.docs.page_pictures import draw_page_pictures
 from tests.docs.rewrite import rewrite
+from tests.docs.speed_chart import draw_speed_chart
 from tests.docs.study_page import write_study_page
 from tests.oracles.responsibility import writing
 
@@ -71,6 +72,11 @@ def _of_the_page(folder: Path) -> None:
     draw_page_pictures(folder / "page", _IMAGES)
 
 
+def _of_the_speed(_: Path) -> None:
+    """The chart of the README, from the results of the benchmarks."""
+    draw_speed_chart()
+
+
 PARTS = {
     "pages": _of_pages,
     "campaigns": _of_campaigns,
@@ -78,6 +84,7 @@ PARTS = {
     "avoidability": _of_avoidability,
     "study": _of_study,
     "page": _of_the_page,
+    "speed": _of_the_speed,
 }
 
 
