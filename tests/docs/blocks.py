@@ -6,13 +6,17 @@
 - ``<!-- file: NAME -->`` before a block of any kind: it is the content of a file;
   ``<!-- append: NAME -->``: it is added to one.
 - ``<!-- fails -->`` before a `console` block: its last command exits with an error.
+- ``<!-- files of: PAGE -->``: the files of another page, which the reader has written before.
 """
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
+_ROOT = Path(__file__).resolve().parents[2]
+_FILES_OF = re.compile(r"^<!-- files of: (\S+) -->$", re.MULTILINE)
 _BLOCK = re.compile(
     r"(?:<!-- (?P<directive>[a-z]+)(?:: (?P<name>\S+))? -->\n)?"
     r"^```(?P<language>[a-z]+)\n(?P<text>.*?)^```$",
@@ -31,7 +35,12 @@ class Command:
 
 def commands_of(page: str) -> list[Command]:
     """Returns the commands of a page in order, the writing of its files among them."""
-    commands: list[Command] = []
+    commands = [
+        command
+        for other in _FILES_OF.findall(page)
+        for command in commands_of((_ROOT / other).read_text())
+        if command.script.startswith("mkdir -p ")
+    ]
     for block in _BLOCK.finditer(page):
         directive, name, text = block["directive"], block["name"], block["text"]
         if directive in ("file", "append"):

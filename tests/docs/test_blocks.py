@@ -59,3 +59,11 @@ def test_a_page_is_renewed_with_what_is_printed_now() -> None:
         "gone 1",
         "other 3 of 4",
     )
+
+
+def test_a_page_can_go_on_with_the_files_of_another() -> None:
+    page = "<!-- files of: docs/how-to/add-an-agent.md -->\n```console\n$ ls careful\n```\n"
+    *written, shown = commands_of(page)
+    assert shown.script == "ls careful"
+    assert any("cat > careful/careful_driver.py" in command.script for command in written)
+    assert not any("pip install" in command.script for command in written)
