@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+import numpy as np
+
 from drivora_service.agents.interface import Control, Observation
 from drivora_service.agents.log import AgentLog
 from drivora_service.agents.raster.raster_settings import Raster, RasterSettings
@@ -73,7 +75,7 @@ class RouteView:
     lanes: IntArray
     signals: tuple[SignalView, ...]
     runs: tuple[tuple[int, ...], ...]
-    stop_signs: FloatArray
+    stop_signs: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -21,6 +21,7 @@ from drivora_service.runs.adversary import (
     action_values,
     layers_from_text,
 )
+from drivora_service.search.aims import Aim
 from drivora_service.search.components import Components
 from drivora_service.search.genes import GeneSpace, Part
 from drivora_service.search.tester import (
@@ -83,7 +84,8 @@ class TestDeepcollision(TesterContract):
     objectives = ("safety",)
     budget = 60
 
-    def create(self, seed: int = 7) -> Tester:
+    def create(self, seed: int = 7, aims: tuple[Aim, ...] = ()) -> Tester:
+        assert not aims, "it takes no other objectives"
         return make(seed=seed, space=self.space())
 
     def measure(self, unit: FloatArray) -> Measurement:
