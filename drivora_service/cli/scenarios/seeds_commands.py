@@ -8,10 +8,11 @@ from typing import Annotated
 import typer
 
 from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.scenarios.seeds_rate_command import rate
 from drivora_service.cli.terminal.options import DataDirOption
 from drivora_service.cli.terminal.output import JsonOption, fail, note, print_json
 
-app = typer.Typer(help="Seed scenarios, generated or imported.", no_args_is_help=True)
+app = typer.Typer(help="Seed scenarios: generated, imported, rated.", no_args_is_help=True)
 
 OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder to write to.")]
 
@@ -103,3 +104,6 @@ def import_seeds(
         typer.echo(f"{len(written)} scenarios in {out}")
     if unreadable:
         raise typer.Exit(ExitCode.NOT_DONE)
+
+
+app.command()(rate)

@@ -28,6 +28,7 @@ from drivora_service.studies.campaign_figures import (
     figures_of,
     within_time,
 )
+from drivora_service.studies.comparison.baseline_rates import baseline_notes
 from drivora_service.studies.comparison.campaign_measures import (
     MEASURES,
     Difference,
@@ -122,7 +123,7 @@ def compare_stored(
         differences=compare_campaigns(ordered, baseline, measures),
         budgets={name: here[0].record.budget for name, here in by_scenario.items()},
         time_limits_s=limits,
-        notes=_notes(campaigns),
+        notes=(*_notes(campaigns), *baseline_notes(ordered, baseline, lambda f: f.scenario)),
     )
 
 

@@ -14,6 +14,7 @@ from drivora_service.oracles.verdicts.failure_definition import DEFAULT_DEFINITI
 from drivora_service.shapes import Shape, combine
 from drivora_service.store.campaigns.campaign_records import CampaignRecord, CampaignState
 from drivora_service.studies.campaign_figures import CampaignFigures, Subject, duration_s
+from drivora_service.studies.comparison.baseline_rates import baseline_notes
 from drivora_service.studies.comparison.campaign_comparison import (
     compute_comparison_figures,
     read_confirmed_evaluations,
@@ -193,7 +194,10 @@ def compare_study(
             for one in figures
             if one.time_limit_s is not None
         },
-        notes=(f"{left} campaigns have not finished and are left out",) if left else (),
+        notes=(
+            *((f"{left} campaigns have not finished and are left out",) if left else ()),
+            *baseline_notes(figures, method, lambda f: _place(f.scenario, f.agent)),
+        ),
         overview=(
             *_overview(By.METHOD, by_method, figures, lambda f: f.method, chosen),
             *_overview(By.AGENT, by_agent, figures, lambda f: f.agent, chosen),

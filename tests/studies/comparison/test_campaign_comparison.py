@@ -104,6 +104,20 @@ def test_failures_that_did_not_happen_again_do_not_count(
     assert after.first_failure > before.first_failure
 
 
+def test_a_baseline_that_never_fails_is_noted(
+    study: Study, records: tuple[CampaignRecord, ...]
+) -> None:
+    for record in records:
+        if record.tester == "random":
+            journal = StoreJournal(study.database, record.id)
+            for number in {failure.evaluation for failure in journal.failures()}:
+                journal.confirm(number, Confirmation.FLAKY, "")
+    comparison = compare_stored(study.database, records, study.catalogues)
+    (note,) = comparison.notes
+    assert note.startswith("tee-town: random fails in 0 of 42 simulations")
+    assert f"- Note: {note}" in comparison_markdown(comparison)
+
+
 def test_at_equal_time_the_shortest_campaign_says_how_long(
     study: Study, records: tuple[CampaignRecord, ...]
 ) -> None:

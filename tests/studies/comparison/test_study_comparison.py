@@ -72,6 +72,20 @@ def test_methods_and_agents_are_compared_at_every_place(comparison: StudyCompari
     assert {row.repetitions for row in comparison.by_method} == {2}
 
 
+def test_baselines_that_fail_too_often_are_noted(comparison: StudyComparison) -> None:
+    noted = set()
+    for scenario, agent in {(f.scenario, f.agent) for f in comparison.campaigns}:
+        own = [
+            f
+            for f in comparison.campaigns
+            if (f.scenario, f.agent, f.method) == (scenario, agent, "random")
+        ]
+        rate = sum(f.failing for f in own) / sum(f.simulations for f in own)
+        if not 0.005 <= rate <= 0.5:
+            noted.add(f"{scenario}, {agent}")
+    assert {note.partition(":")[0] for note in comparison.notes} == noted
+
+
 def test_the_overview_counts_the_places(comparison: StudyComparison) -> None:
     assert {(row.by, row.name, row.baseline) for row in comparison.overview} == {
         (By.METHOD, "fuzzer", "random"),
