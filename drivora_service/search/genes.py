@@ -173,6 +173,16 @@ class GeneSpace:
         return len(self.genes)
 
     @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The names of all genes with those of their blocks, such as ``vehicle_0.speed_2``."""
+        return tuple(f"{block.name}.{gene.name}" for block in self.blocks for gene in block.genes)
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        """The SI unit of each gene, "" without one."""
+        return tuple(gene.unit for gene in self.genes)
+
+    @cached_property
     def lows(self) -> FloatArray:
         """(d,) least values."""
         return np.array([gene.low for gene in self.genes])

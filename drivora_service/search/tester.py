@@ -19,6 +19,9 @@ from drivora_service.runs.candidate import Reference
 from drivora_service.search.aims import Aim
 from drivora_service.search.genes import Block, GeneSpace
 
+REFERENCE_ORIGIN = "reference"
+"""Origin of a candidate with which the runs of others are compared: it is not replaced."""
+
 
 class EvaluationStatus(StrEnum):
     """Whether a candidate was judged."""

@@ -66,7 +66,8 @@ class StudyMethodDocument(TesterDocument):
     label: Label | None = Field(
         None,
         description="Its name in the study; without it, that of the tester, with `without "
-        "feedback` if that is shuffled, and with `by` and the names of `minimises`.",
+        "feedback` if that is shuffled, and with `by` and the names of `minimises`, and with "
+        "`from failures` or `from elites` if it starts from those.",
     )
     minimises: FeedbackDocument | None = Field(
         None, description="What it minimises, in place of the `feedback` of the study."
@@ -142,6 +143,7 @@ class StudyDocument(EntityDocument):
             or one.name
             + ("" if one.minimises is None else f" by {one.minimises.words}")
             + (_WITHOUT_FEEDBACK if one.feedback == "shuffled" else "")
+            + ("" if one.start_from is None else f" from {one.start_from.kind}")
             for one in self.methods
         )
 

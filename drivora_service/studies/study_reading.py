@@ -96,7 +96,12 @@ def read_study(
         most_bytes=_MOST_BYTES,
         further=partial(_problems_of_parts, catalogues),
     )
-    problems = [*odd, *_repeated_labels(document), *_beyond_limits(document)]
+    problems = [
+        *odd,
+        *_repeated_labels(document),
+        *_beyond_limits(document),
+        *_missing_starts(document),
+    ]
     if problems:
         raise InvalidDocument(in_document_order(problems, content))
     valid, genes, problems = _read_all(document, catalogues)
@@ -159,6 +164,25 @@ def _repeated_labels(document: StudyDocument) -> Iterator[Problem]:
                 )
 
 
+def _missing_starts(document: StudyDocument) -> Iterator[Problem]:
+    """Yields the scenarios for which a method has no candidate to start from, and the reverse."""
+    labels = document.scenario_labels
+    for place, method in enumerate(document.methods):
+        if method.start_from is None:
+            continue
+        given = dict.fromkeys(one.seed for one in method.start_from.candidates)
+        for name in (*(one for one in labels if one not in given), *given):
+            if name in labels and name in given:
+                continue
+            what = "no candidate of scenario" if name in labels else "a candidate of no scenario:"
+            yield Problem(
+                pointer=f"/methods/{place}/start_from/candidates",
+                code="start_scenarios",
+                message=f"found {what} {name!r}; `seed` of each names a scenario of the study, and "
+                "each scenario needs one",
+            )
+
+
 def _beyond_limits(document: StudyDocument) -> Iterator[Problem]:
     if document.seed + document.repetitions - 1 > MAX_SEED:
         message = f"found {document.seed}; the last repetition's seed would be above {MAX_SEED}"
@@ -219,9 +243,7 @@ def _read(document: StudyDocument, one: _Combination, catalogues: Catalogues) ->
     space = document.space if scenario.space is None else scenario.space
     content: dict[str, Any] = {
         "name": _name(document, one, 1),
-        "tester": document.methods[one.method].model_dump(
-            exclude={"label", "minimises"}, exclude_none=True
-        ),
+        "tester": _tester(document, one),
         "scenario": scenario.document.model_dump(mode="json", exclude_none=True),
         "space": space.model_dump(mode="json"),
         "budget": document.budget.model_dump(),
@@ -236,6 +258,17 @@ def _read(document: StudyDocument, one: _Combination, catalogues: Catalogues) ->
     if document.agents:
         content["agent"] = document.agents[one.agent].model_dump(exclude={"label"})
     return read_campaign(content, catalogues)
+
+
+def _tester(document: StudyDocument, one: _Combination) -> dict[str, Any]:
+    """Returns the tester of a campaign, with the candidates of its scenario to start from."""
+    method = document.methods[one.method]
+    content: dict[str, Any] = method.model_dump(exclude={"label", "minimises"}, exclude_none=True)
+    if method.start_from is not None:
+        # A campaign of a study has one seed scenario, which needs no name.
+        own = method.start_from.of_seed(document.scenario_labels[one.scenario])
+        content["start_from"]["candidates"] = [{"values": candidate.values} for candidate in own]
+    return content
 
 
 def _place_problem(

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from drivora_service.campaigns.document.campaign_schema import add_start_sources
 from drivora_service.scenario.scenario_schema import schema_directory
 from drivora_service.studies.study_documents import StudyDocument
 
@@ -39,6 +40,7 @@ def schema_path() -> Path:
 def study_schema() -> dict[str, Any]:
     """Returns the schema (JSON Schema, draft 2020-12) of a file, which may name scenario files."""
     schema = StudyDocument.model_json_schema()
+    add_start_sources(schema["$defs"]["StudyMethodDocument"])
     scenarios = schema["properties"]["scenarios"]
     inside = schema["$defs"]["StudyScenarioDocument"]["properties"]
     of_file = {

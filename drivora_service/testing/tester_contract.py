@@ -18,6 +18,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
+from drivora_service.campaigns.search.warm_start import ORIGIN, WarmStart
 from drivora_service.errors import SearchError
 from drivora_service.feedback.catalogue import FeedbackCatalogue
 from drivora_service.feedback.measurement import Measurement
@@ -268,6 +269,23 @@ class TesterContract:
             self.play(self.create(aims=(aim,)), self.budget, 3, judge(sign)) for sign in (1.0, -1.0)
         )
         assert [_key(e.proposal) for e in one] != [_key(e.proposal) for e in other]
+
+    def test_it_starts_from_known_candidates(self) -> None:
+        space = self.space()
+        starts = list(space.sample(np.random.default_rng(11), 6))
+
+        def start() -> list[Evaluation]:
+            return self.play(WarmStart(self.create(), starts, space), 60, 4)
+
+        told = start()
+        used = [one.proposal for one in told if one.proposal.origin == ORIGIN]
+        assert len(used) == len(starts)
+        for proposal, known in zip(used, starts, strict=True):
+            # Beside a reference run, only the actors may differ from it.
+            same = proposal.values == known
+            assert same.all() or (proposal.reference is not None and same.any())
+        assert all(parent < one.number for one in told for parent in one.proposal.parents)
+        assert [_key(one.proposal) for one in told] == [_key(one.proposal) for one in start()]
 
     def test_a_wrong_order_is_refused(self) -> None:
         tester = self.create()

@@ -23,6 +23,7 @@ from drivora_service.campaigns.document.campaign import (
     TesterChoice,
 )
 from drivora_service.campaigns.document.feedback_documents import FeedbackDocument
+from drivora_service.campaigns.document.start_documents import StartDocument
 from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
@@ -127,6 +128,11 @@ class TesterDocument(EntityDocument):
         FeedbackMode.OWN,
         description="own: the tester is told the results of its candidates; shuffled: it is told "
         "those of others, drawn at random, so that only its operators work.",
+    )
+    start_from: StartDocument | None = Field(
+        None,
+        description="Candidates of an earlier campaign, which it simulates first; without it, it "
+        "draws its first candidates.",
     )
 
 

@@ -33,6 +33,7 @@ from drivora_service.campaigns.document.feedback_choosing import (
     versions_of_objectives,
 )
 from drivora_service.campaigns.document.feedback_documents import FeedbackDocument
+from drivora_service.campaigns.document.start_checks import check_start, start_notes
 from drivora_service.errors import (
     InvalidDocument,
     OracleError,
@@ -116,7 +117,7 @@ class ValidCampaign:
 
     @property
     def _networks(self) -> tuple[RoadNetwork, ...]:
-        return tuple({seed.network.name: seed.network for seed in self.seeds}.values())
+        return _networks_of(self.seeds)
 
     def notes_for(self, workers: int | None) -> tuple[str, ...]:
         """Returns the notes, and one more if the search cannot keep all workers busy.
@@ -141,6 +142,11 @@ def hash_of_networks(networks: Collection[RoadNetwork]) -> str:
         return network.sha256
     lines = sorted(f"{network.name} {network.sha256}\n" for network in networks)
     return hashlib.sha256("".join(lines).encode()).hexdigest()
+
+
+def _networks_of(seeds: Sequence[SeedScenario | ValidScenario]) -> tuple[RoadNetwork, ...]:
+    """Returns the road networks of seed scenarios, each once."""
+    return tuple({seed.network.name: seed.network for seed in seeds}.values())
 
 
 _LONGEST_LIST = 100
@@ -190,6 +196,8 @@ def read_campaign(
         plugin = None if tester is None else _find_plugin(tester.name, catalogues.testers)
         objectives = read_feedback(feedback, plugin, catalogues)
         problems += objectives.problems
+    if document is not None and not inside:
+        problems += check_start(document, hash_of_networks(_networks_of(found)))
     names = content.get("oracles")
     if isinstance(names, list | tuple):
         wrong = {problem.pointer for problem in problems}
@@ -217,6 +225,7 @@ def read_campaign(
                 for note in one.notes
             ),
             *_oracle_notes(campaign, seeds, catalogues.testers),
+            *start_notes(document),
             *feedback_notes(campaign.objectives, catalogues.testers.plugin(campaign.tester.name)),
         ),
         versions=_versions(campaign, [seed.scenario for seed in seeds], catalogues),

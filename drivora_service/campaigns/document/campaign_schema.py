@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument
+from drivora_service.campaigns.document.start_documents import MAX_STARTS, StartKind
 from drivora_service.scenario.scenario_schema import schema_directory
 
 VERSION = "1.0"
@@ -39,6 +40,37 @@ def _place(key: str, description: str) -> dict[str, Any]:
     }
 
 
+def add_start_sources(tester: dict[str, Any]) -> None:
+    """Adds to the schema of a tester that its first candidates may be named by their campaign."""
+    start = tester["properties"]["start_from"]
+    start["anyOf"] += [
+        {
+            "type": "object",
+            "description": f"{what}; only the command line looks it up.",
+            "properties": {
+                key: {"type": "string", "minLength": 1},
+                "with": {
+                    "enum": [str(kind) for kind in StartKind],
+                    "default": str(StartKind.FAILURES),
+                    "description": "Which of its candidates.",
+                },
+                "most": {
+                    "type": "integer",
+                    "minimum": 1,
+                    "maximum": MAX_STARTS,
+                    "description": "Candidates of each seed scenario, at most [default: 20].",
+                },
+            },
+            "required": [key],
+            "additionalProperties": False,
+        }
+        for key, what in (
+            ("campaign", "Id or name of an earlier campaign on the same scenario and space"),
+            ("folder", "Folder that an earlier campaign was written to, relative to this file"),
+        )
+    ]
+
+
 def schema_path() -> Path:
     """The committed schema file."""
     return schema_directory() / _FILE
@@ -61,6 +93,7 @@ def campaign_schema() -> dict[str, Any]:
         ],
     }
     properties["scenarios"]["minItems"] = 1
+    add_start_sources(schema["$defs"]["TesterDocument"])
     schema["oneOf"] = [{"required": ["scenario"]}, {"required": ["scenarios"]}]
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

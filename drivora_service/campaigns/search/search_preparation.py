@@ -11,9 +11,11 @@ import numpy as np
 from drivora_service.campaigns.document.campaign import FeedbackMode
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_reading import ValidCampaign
+from drivora_service.campaigns.document.start_checks import read_starts
 from drivora_service.campaigns.search.engine import Search
 from drivora_service.campaigns.search.failure_kinds import FailureKinds
 from drivora_service.campaigns.search.seed_turns import SearchPart
+from drivora_service.campaigns.search.warm_start import ShiftedCheckpoints, WarmStart
 from drivora_service.errors import InvalidDocument, NetworkError, Problem, SearchError
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.planned_motion import PlannedMotion
@@ -107,8 +109,13 @@ def prepare_search(
         except (SearchError, NetworkError) as error:
             raise _refusal("/space", "space", named, error) from error
         try:
+            starts = read_starts(valid.document, seed.name, space.genes)
             kept = checkpoints if len(valid.seeds) == 1 else None
+            if kept is not None and starts:
+                kept = ShiftedCheckpoints(kept, len(starts))
             tester = _tester(valid, catalogues, space, place, kept)
+            if starts:
+                tester = WarmStart(tester, starts, space.genes)
         except SearchError as error:
             raise _refusal("/tester", "tester", named, error) from error
         parts.append(

@@ -75,6 +75,30 @@ GateOption = Annotated[
 @with_forms
 def run(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A campaign, as YAML or JSON.")],
+    start_from: Annotated[
+        str,
+        typer.Option(
+            metavar="CAMPAIGN|DIR",
+            help="Begin with candidates of an earlier campaign on the same scenario and space: its "
+            "id, its name, or the folder that --out wrote.",
+        ),
+    ] = "",
+    start_with: Annotated[
+        str,
+        typer.Option(
+            metavar="KIND",
+            help="With --start-from: failures, one of each kind first, or elites, those nearest to "
+            "a failure by their objectives [default: failures].",
+        ),
+    ] = "",
+    start_most: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            max=1000,
+            help="With --start-from: candidates of each seed scenario, at most [default: 20].",
+        ),
+    ] = None,
     workers: WorkersOption = None,
     out: OutOption = None,
     evaluator: EvaluatorOption = "",
@@ -108,8 +132,15 @@ def run(
 
         from drivora_service.cli.campaigns.campaign_files import send_campaign
         from drivora_service.cli.campaigns.campaign_gates import gate_of_document
+        from drivora_service.cli.campaigns.campaign_starts import (
+            resolve_campaign_start,
+            start_option,
+        )
+
+        chosen_start = start_option(start_from, start_with, start_most)
 
         def post(content: dict[str, Any]) -> tuple[Campaign, Gate | None]:
+            content = resolve_campaign_start(client, content, file.parent, chosen_start)
             chosen = gate_of_document(client, content, gate_oracle or (), is_wanted=gate)
             return client.post_campaign(json.dumps(content)), chosen
 

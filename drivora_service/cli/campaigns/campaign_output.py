@@ -55,6 +55,8 @@ def print_campaign(campaign: Campaign) -> None:
     if campaign.message:
         print(f"  {campaign.message}")
     print(f"  {campaign.tester} against {campaign.configuration} on {campaign.town}")
+    if (start := campaign.document["tester"].get("start_from")) is not None:
+        print(f"  Started from {len(start['candidates'])} {start['kind']} of {start['source']}")
     print(
         f"  {campaign.simulations} of {campaign.budget} simulations in {campaign.active_s:.0f} s "
         f"({number(campaign.rate, 2)} a second); {counts.invalid} candidates invalid, "

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from drivora_service.cli.campaigns.campaign_display import Repeated, campaign_display
 from drivora_service.cli.campaigns.campaign_output import campaign_content
+from drivora_service.cli.campaigns.start_choosing import order_failures
 from drivora_service.cli.terminal.out_option import write_result
 from drivora_service.cli.terminal.private_files import give_to_user
 from drivora_service.store.campaigns.campaign_records import Confirmation
@@ -72,11 +73,21 @@ def pause_and_wait(client: Client, campaign_id: str) -> Campaign:
 
 
 def export_campaign(client: Client, campaign: Campaign, target: Path) -> None:
-    """Writes a campaign, and the scenario and trace of each failing evaluation."""
+    """Writes a campaign with its failing candidates, and scenario and trace of each."""
     failures = list(client.failures(campaign.id))
-    text = json.dumps(campaign_content(campaign, failures), indent=2, ensure_ascii=False)
+    failing = {failure.evaluation: failure for failure in failures}
+    found = (client.evaluation(campaign.id, number) for number in order_failures(failures))
+    content = {
+        **campaign_content(campaign, failures),
+        # From which another campaign can start.
+        "candidates": [
+            {"evaluation": one.number, "seed_number": one.seed_number, "values": one.values}
+            for one in found
+        ],
+    }
+    text = json.dumps(content, indent=2, ensure_ascii=False)
     write_result(target / "campaign.json", text + "\n")
-    for failure in {failure.evaluation: failure for failure in failures}.values():
+    for failure in failing.values():
         name, number = f"{failure.evaluation:06d}", failure.evaluation
         write_result(target / f"{name}.json", client.evaluation_scenario(campaign.id, number))
         if failure.observations_url:

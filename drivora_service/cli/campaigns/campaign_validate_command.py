@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
 from drivora_service.cli.terminal.output import JsonOption, note, print_json
+
+if TYPE_CHECKING:
+    from drivora_service.api.schemas.campaigns import CampaignValidation
 
 
 def validate(
@@ -23,8 +26,13 @@ def validate(
         import json
 
         from drivora_service.cli.campaigns.campaign_files import send_campaign
+        from drivora_service.cli.campaigns.campaign_starts import resolve_campaign_start
 
-        valid = send_campaign(file, lambda content: client.validate_campaign(json.dumps(content)))
+        def send(content: dict[str, Any]) -> CampaignValidation:
+            document = resolve_campaign_start(client, content, file.parent)
+            return client.validate_campaign(json.dumps(document))
+
+        valid = send_campaign(file, send)
     if as_json:
         print_json(valid.model_dump(mode="json"))
         return

@@ -1,4 +1,4 @@
-"""How often random scenarios of a scene fail: its seed run once, and a campaign of random search."""
+"""How often random scenarios of a scene fail: its seed run once, and a random campaign on it."""
 
 from __future__ import annotations
 
@@ -137,8 +137,8 @@ def random_campaign(
         name: Display name.
         changes: Parts of the campaign that are replaced.
     """
-    # What another tester minimises, or starts from, is nothing to random search.
-    kept = {k: v for k, v in scene.items() if k not in ("feedback", "start_from")}
+    # Random search minimises nothing.
+    kept = {k: v for k, v in scene.items() if k != "feedback"}
     several = scene.get("scenarios")
     count = len(several) if isinstance(several, list) else 1
     budget = {"simulations": simulations * max(count, 1)}

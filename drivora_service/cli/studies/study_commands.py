@@ -232,6 +232,7 @@ def _post_study(client: Client, file: Path) -> Study:
     """Posts a study file; prints what is wrong with it, each problem with its place."""
     import json
 
+    from drivora_service.cli.campaigns.campaign_starts import resolve_study_starts
     from drivora_service.cli.scenarios.file_problems import read_or_exit
     from drivora_service.cli.studies.study_files import read_study_draft
 
@@ -239,7 +240,8 @@ def _post_study(client: Client, file: Path) -> Study:
         study = read_study_draft(file)
         try:
             # One with problems of its own is refused: it lacks a scenario, and is not begun.
-            return client.post_study(json.dumps(study.content))
+            content = resolve_study_starts(client, dict(study.content), file.parent)
+            return client.post_study(json.dumps(content))
         except InvalidDocument as error:
             raise study.in_file(error) from error
 

@@ -37,6 +37,7 @@ from drivora_service.studies.comparison.campaign_measures import (
     compare_campaigns,
 )
 from drivora_service.studies.comparison.compared_subjects import Compared, make_compared_campaigns
+from drivora_service.studies.comparison.start_notes import start_notes
 from drivora_service.studies.coverage.law_coverage import law_verdicts
 from drivora_service.studies.found_counts import uncounted_violations
 
@@ -123,7 +124,11 @@ def compare_stored(
         differences=compare_campaigns(ordered, baseline, measures),
         budgets={name: here[0].record.budget for name, here in by_scenario.items()},
         time_limits_s=limits,
-        notes=(*_notes(campaigns), *baseline_notes(ordered, baseline, lambda f: f.scenario)),
+        notes=(
+            *_notes(campaigns),
+            *start_notes(campaigns),
+            *baseline_notes(ordered, baseline, lambda f: f.scenario),
+        ),
     )
 
 

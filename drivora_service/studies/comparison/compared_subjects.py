@@ -13,6 +13,7 @@ from drivora_service.campaigns.document.campaign import FeedbackMode
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument, TesterDocument
 from drivora_service.errors import CampaignError, SearchError, UnknownName
 from drivora_service.parameters import read_parameters
+from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.store.campaigns.campaign_records import CampaignRecord, CampaignState
 from drivora_service.studies.campaign_figures import Subject
 
@@ -43,10 +44,10 @@ def make_compared_campaigns(
 ) -> tuple[Compared, ...]:
     """Names the methods and scenarios of campaigns for a comparison.
 
-    A method is named after its tester, with "without feedback" if its results were shuffled, and
-    with those of its parameters, components and lookahead in which the campaigns of this tester
-    differ. A scenario is named after its town, with the beginning of a hash if there are several of
-    one town.
+    A method is named after its tester, with "without feedback" if its results were shuffled, "from
+    failures" or "from elites" if it started from those of another campaign, and with those of its
+    parameters, components and lookahead in which the campaigns of this tester differ. A scenario is
+    named after its town, with the beginning of a hash if there are several of one town.
 
     Args:
         records: The campaigns.
@@ -145,13 +146,15 @@ def _scenario_names(documents: Sequence[CampaignDocument]) -> list[str]:
     ]
 
 
+def scenario_identity(scenario: ScenarioDocument) -> dict[str, Any]:
+    """Returns what identifies a seed scenario, regardless of its agents."""
+    drivers = {"agent": True, "config_path": True}
+    return scenario.model_dump(mode="json", exclude={"ego_vehicles": {"__all__": drivers}})
+
+
 def _scenario_hash(document: CampaignDocument) -> str:
     """Returns the identity of the seed scenarios, regardless of their agents."""
-    drivers = {"agent": True, "config_path": True}
-    contents = [
-        scenario.model_dump(mode="json", exclude={"ego_vehicles": {"__all__": drivers}})
-        for scenario in document.seeds.values()
-    ]
+    contents = [scenario_identity(scenario) for scenario in document.seeds.values()]
     content = contents[0] if document.scenario is not None else contents
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
@@ -182,9 +185,11 @@ def _method_names(documents: Sequence[CampaignDocument], testers: TesterCatalogu
 def _group_name(document: CampaignDocument, traits: Mapping[str, str]) -> str:
     shuffled = document.tester.feedback is FeedbackMode.SHUFFLED
     told = ", ".join(f"{name} {value}" for name, value in traits.items())
+    start = document.tester.start_from
     return (
         document.tester.name
         + (_WITHOUT_FEEDBACK if shuffled else "")
+        + ("" if start is None else f" from {start.kind}")
         + (f" ({told})" if told else "")
     )
 

@@ -27,6 +27,7 @@ from drivora_service.studies.comparison.campaign_measures import (
     measure,
 )
 from drivora_service.studies.comparison.compared_subjects import Compared
+from drivora_service.studies.comparison.start_notes import start_notes
 from drivora_service.studies.study_documents import StudyDocument
 
 if TYPE_CHECKING:
@@ -196,6 +197,7 @@ def compare_study(
         },
         notes=(
             *((f"{left} campaigns have not finished and are left out",) if left else ()),
+            *start_notes([_subject(record, document) for record in records]),
             *baseline_notes(figures, method, lambda f: _place(f.scenario, f.agent)),
         ),
         overview=(

@@ -54,6 +54,8 @@ def _make_search_rows(report: CampaignReport) -> list[tuple[str, str]]:
         rows.append(("mutation in place of its own", tester.mutation))
     if tester.selection:
         rows.append(("selection in place of its own", tester.selection))
+    if tester.start_from is not None:
+        rows.append(("started from", tester.start_from.words))
     if document.feedback is not None:
         rows.append(("minimised in place of its own objectives", document.feedback.words))
     if tester.feedback is FeedbackMode.SHUFFLED:

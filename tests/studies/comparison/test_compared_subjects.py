@@ -20,6 +20,7 @@ from drivora_service.store.campaigns.campaign_records import (
     CampaignState,
 )
 from drivora_service.studies.comparison.compared_subjects import make_compared_campaigns
+from drivora_service.studies.comparison.start_notes import start_notes
 from tests.studies.computed_study import campaign_content
 
 
@@ -58,6 +59,31 @@ def methods(catalogues: Catalogues, *records: CampaignRecord) -> list[str]:
 
 def method(name: str = "avfuzzer", **changes: Any) -> dict[str, Any]:
     return {"name": name, **changes}
+
+
+def started(kind: str = "failures", source: str = "campaign a") -> dict[str, Any]:
+    return {"source": source, "kind": kind, "candidates": [{"values": [0.0]}]}
+
+
+def test_searches_from_known_candidates_are_methods_of_their_own(catalogues: Catalogues) -> None:
+    records = (
+        record(1, tester=method()),
+        record(2, tester=method(start_from=started())),
+        record(3, tester=method(start_from=started(source="campaign b"))),
+        record(4, tester=method(start_from=started("elites"))),
+    )
+    assert methods(catalogues, *records) == [
+        "avfuzzer",
+        "avfuzzer from failures",
+        "avfuzzer from failures",
+        "avfuzzer from elites",
+    ]
+    (note,) = start_notes(make_compared_campaigns(records, catalogues.testers))
+    assert "from 1 failure of campaign a, 1 failure of campaign b" in note
+    assert "not for avfuzzer, which started from nothing" in note
+    compared = make_compared_campaigns(records[1:], catalogues.testers)
+    assert "all methods did" in "".join(start_notes(compared))
+    assert not list(start_notes(make_compared_campaigns(records[:1], catalogues.testers)))
 
 
 def test_methods_are_named_after_their_testers(catalogues: Catalogues) -> None:

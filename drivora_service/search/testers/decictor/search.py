@@ -27,6 +27,7 @@ from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.selection import Roulette
 from drivora_service.search.tester import (
+    REFERENCE_ORIGIN,
     Evaluation,
     EvaluationStatus,
     Proposal,
@@ -137,7 +138,7 @@ class DecictorSearch:
             values = self._space.sample(self._random)
             for block in self._actors:
                 values[block.start] = 0.0
-            (told,) = yield (Proposal(values=values, origin="reference"),)
+            (told,) = yield (Proposal(values=values, origin=REFERENCE_ORIGIN),)
             if told.status is not EvaluationStatus.JUDGED:
                 # Another try may be judged; the campaign ends if too many are not.
                 continue
