@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from drivora_service.runs.candidate import Candidate, CandidateSource, SpaceSource
-from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.candidate_space import CandidateSpace
 from drivora_service.search.space.source import space_of
 from drivora_service.search.space.space_candidates import ScenarioCandidates
 from drivora_service.simulation.followers.free_motion import plan_motions
@@ -29,7 +29,7 @@ def prepare(source: CandidateSource, setup: WorkerSetup) -> Candidate:
     return candidates.prepare(np.array(source.values), source.reference)
 
 
-def space_of_candidates(source: SpaceSource, setup: WorkerSetup) -> ScenarioSpace:
+def space_of_candidates(source: SpaceSource, setup: WorkerSetup) -> CandidateSpace:
     """Returns the space in which a worker decodes genes."""
     return _candidates(source, setup).space
 

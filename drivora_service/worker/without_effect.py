@@ -25,8 +25,8 @@ import numpy as np
 
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray, IntArray
 from drivora_service.observations.trace import Col, Trace
+from drivora_service.search.candidate_space import CandidateSpace
 from drivora_service.search.genes import GeneSpace
-from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.vehicles.vehicle_ways import BESIDE, VehicleWay
 from drivora_service.simulation.followers.followers import look_ahead
 from drivora_service.simulation.plans.episode_plan import EpisodePlan, FollowerPlan
@@ -44,7 +44,7 @@ _SMOOTHED = 3.0
 
 
 def genes_without_effect(
-    space: ScenarioSpace,
+    space: CandidateSpace,
     values: FloatArray,
     plan: EpisodePlan,
     trace: Trace,

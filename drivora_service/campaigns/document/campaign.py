@@ -13,6 +13,7 @@ from drivora_service.oracles.verdicts.failure_definition import (
     FailureDefinition,
 )
 from drivora_service.scenario.model import AgentChoice
+from drivora_service.search.candidate_space import SpaceChoice
 from drivora_service.search.space.space_options import SpaceOptions
 
 DEFAULT_LOOKAHEAD = 8
@@ -67,7 +68,7 @@ class Campaign:
     tester: TesterChoice
     budget: int
     agent: AgentChoice | None = None
-    space: SpaceOptions = field(default_factory=SpaceOptions)
+    space: SpaceChoice = field(default_factory=SpaceOptions)
     definition: FailureDefinition = DEFAULT_DEFINITION
     objectives: tuple[ObjectiveChoice, ...] = ()
     seed: int = 0

@@ -10,8 +10,10 @@ from pydantic import (
     AfterValidator,
     Field,
     JsonValue,
+    SerializerFunctionWrapHandler,
     ValidationInfo,
     field_validator,
+    model_serializer,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
@@ -29,6 +31,7 @@ from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.entities import AgentDocument, EntityDocument, FreeData
 from drivora_service.scenario.model import AgentChoice, NpcBehavior, RouteEnd
+from drivora_service.search.candidate_space import OwnSpace, SpaceChoice
 from drivora_service.search.space.option_checks import MAX_MIN_SPEED, MAX_WAIT, SLICE_TIMES
 from drivora_service.search.space.presets import PRESETS, SpacePreset
 from drivora_service.search.space.space_options import SpaceOptions, VehicleStarts
@@ -139,6 +142,14 @@ class TesterDocument(EntityDocument):
 class SpaceDocument(EntityDocument):
     """The variable parts beside the fixed scenario."""
 
+    name: PluginName | None = Field(
+        None,
+        description="A space of an installed package, in place of the one that all other keys but "
+        "`parameters` describe.",
+    )
+    parameters: Annotated[dict[str, JsonValue], FreeData] | None = Field(
+        None, description="With `name`: its parameters that differ from their defaults."
+    )
     preset: SpacePreset | None = Field(
         None,
         description="A named space, whose values stand where none is given here.",
@@ -217,6 +228,45 @@ class SpaceDocument(EntityDocument):
         _DEFAULTS.max_ego_delay,
         description="Latest start time of egos, if egos vary.",
     )
+
+    @model_validator(mode="after")
+    def _own_or_built_in(self) -> SpaceDocument:
+        if self.name is None:
+            if self.parameters is not None:
+                raise PydanticCustomError(
+                    "space_name",
+                    "found `parameters` without `name`; they are those of a package's space",
+                )
+            return self
+        # A document that was stored by an earlier version may have the defaults, too.
+        odd = [
+            key
+            for key in ("preset", *(option.name for option in dataclass_fields(SpaceOptions)))
+            if getattr(self, key) != getattr(_DEFAULTS, key, None)
+        ]
+        if odd:
+            raise PydanticCustomError(
+                "space_name",
+                "found {odd} beside `name`; the space {name} varies what it says itself: give "
+                "`parameters`",
+                {"odd": ", ".join(f"`{key}`" for key in odd), "name": repr(self.name)},
+            )
+        return self
+
+    @model_serializer(mode="wrap")
+    def _only_what_counts(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = dump(self)
+        if self.name is None:
+            return {k: v for k, v in content.items() if k not in ("name", "parameters")}
+        return {"name": self.name, "parameters": self.parameters or {}}
+
+    @property
+    def choice(self) -> SpaceChoice:
+        """The space that it describes."""
+        if self.name is not None:
+            return OwnSpace(plugin=self.name, parameters=self.parameters or {})
+        options = {one.name: getattr(self, one.name) for one in dataclass_fields(SpaceOptions)}
+        return SpaceOptions(**options)
 
     @model_validator(mode="before")
     @classmethod
@@ -333,10 +383,6 @@ class CampaignDocument(EntityDocument):
 def to_campaign(document: CampaignDocument) -> Campaign:
     """Returns the campaign of a document."""
     tester, agent = document.tester, document.agent
-    space = {
-        option.name: getattr(document.space, option.name)
-        for option in dataclass_fields(SpaceOptions)
-    }
     return Campaign(
         name=document.name,
         tester=TesterChoice(
@@ -347,7 +393,7 @@ def to_campaign(document: CampaignDocument) -> Campaign:
             feedback=tester.feedback,
         ),
         agent=None if agent is None else AgentChoice(name=agent.name, parameters=agent.parameters),
-        space=SpaceOptions(**space),
+        space=document.space.choice,
         budget=document.budget.simulations,
         definition=document.definition,
         seed=document.seed,

@@ -51,12 +51,14 @@ from drivora_service.scenario.entities import AgentDocument
 from drivora_service.scenario.model import Scenario
 from drivora_service.scenario.plain_data import MAX_PROBLEMS, plain_data
 from drivora_service.scenario.validation import ValidScenario, validate_data
+from drivora_service.search.candidate_space import OwnSpace
 from drivora_service.search.catalogue import (
     TesterCatalogue,
     mutation_plugins,
     selection_plugins,
 )
 from drivora_service.search.plugin import TesterPlugin
+from drivora_service.search.space.own_space import space_plugins
 from drivora_service.search.space.presets import PRESETS
 
 M = TypeVar("M", bound=BaseModel)
@@ -190,6 +192,9 @@ def read_campaign(
         problems += _check_laws(tester, catalogues)
     if agent is not None:
         problems += check_agent(agent, catalogues.agents)
+    space = document.space if document else _part(SpaceDocument, content, "space")
+    if space is not None and space.name is not None:
+        problems += check_space(space.name, space.parameters or {})
     feedback = document.feedback if document else _part(FeedbackDocument, content, "feedback")
     objectives = FeedbackReading()
     if feedback is not None:
@@ -283,6 +288,8 @@ def _versions(
         **catalogues.feedbacks.versions(catalogues.testers.plugin(tester.name).feedback.name),
         **versions_of_objectives(campaign.objectives, catalogues),
     }
+    if isinstance(campaign.space, OwnSpace):
+        found |= space_plugins().versions(campaign.space.plugin)
     # Where none is named, any may count.
     oracles = list(campaign.definition.oracles or catalogues.oracles.names())
     if _searches_laws(tester.name, catalogues):
@@ -413,6 +420,19 @@ def _check_laws(tester: TesterDocument, catalogues: Catalogues) -> Iterator[Prob
         if isinstance(name, str) and name not in known:
             pointer = f"/tester/parameters/laws/{place}"
             yield _unknown(pointer, UnknownName("law", name, known), "`drivora laws list`")
+
+
+def check_space(name: str, parameters: Mapping[str, Any]) -> Iterator[Problem]:
+    """Checks the name and the parameters of a package's space."""
+    try:
+        plugin = space_plugins().plugin(name)
+    except UnknownName as error:
+        yield _unknown("/space/name", error, "")
+    except SearchError as error:
+        yield Problem(pointer="/space/name", code="plugin", message=str(error))
+    else:
+        for problem in parameter_problems(plugin.parameters, parameters, of=f"space {name!r}"):
+            yield replace(problem, pointer=f"/space/parameters{problem.pointer}")
 
 
 def check_agent(agent: AgentDocument, catalogue: AgentCatalogue) -> Iterator[Problem]:

@@ -11,7 +11,7 @@ from drivora_service.errors import CampaignError
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario.validation import validate_document
 from drivora_service.search.genes import GeneSpace
-from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.own_space import make_space
 from drivora_service.store.campaigns.campaign_records import CampaignRecord
 
 
@@ -49,7 +49,7 @@ def searched_spaces_of(record: CampaignRecord, catalogues: Catalogues) -> tuple[
     return tuple(
         SearchedSpace(
             network=seed.network,
-            space=ScenarioSpace(seed.scenario, seed.network, options).genes,
+            space=make_space(seed.scenario, seed.network, options).genes,
         )
         for seed in seeds
     )

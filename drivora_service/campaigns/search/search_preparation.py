@@ -21,8 +21,9 @@ from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.planned_motion import PlannedMotion
 from drivora_service.scenario.model import NpcBehavior, Scenario
 from drivora_service.search.aims import aims_of
+from drivora_service.search.candidate_space import CandidateSpace, OwnSpace
 from drivora_service.search.catalogue import make_components
-from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.own_space import make_space
 from drivora_service.search.space.space_candidates import ScenarioCandidates
 from drivora_service.search.tester import (
     Checkpoints,
@@ -92,7 +93,9 @@ def prepare_search(
     """
     campaign = valid.campaign
     plugin = catalogues.testers.plugin(campaign.tester.name)
-    if plugin.compares_paths and campaign.space.behavior is NpcBehavior.SUMO:
+    space_of = campaign.space
+    drives_by_sumo = not isinstance(space_of, OwnSpace) and space_of.behavior is NpcBehavior.SUMO
+    if plugin.compares_paths and drives_by_sumo:
         message = (
             f"found 'sumo'; tester {plugin.name!r} keeps actors out of the way of the egos, and "
             "where SUMO drives them is not known before: use 'replay' or 'reactive'"
@@ -105,7 +108,7 @@ def prepare_search(
     for place, seed in enumerate(valid.seeds):
         named = f"seed scenario {seed.name!r}: " if seed.name else ""
         try:
-            space = ScenarioSpace(seed.scenario, seed.network, campaign.space)
+            space = make_space(seed.scenario, seed.network, campaign.space)
         except (SearchError, NetworkError) as error:
             raise _refusal("/space", "space", named, error) from error
         try:
@@ -150,7 +153,7 @@ def search_versions() -> dict[str, str]:
 def _tester(
     valid: ValidCampaign,
     catalogues: Catalogues,
-    space: ScenarioSpace,
+    space: CandidateSpace,
     place: int,
     checkpoints: Checkpoints | None,
 ) -> Tester:

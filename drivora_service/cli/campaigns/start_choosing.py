@@ -175,7 +175,7 @@ def _refuse_other_space(earlier: Earlier, space: SpaceDocument) -> None:
     # A preset is only a name for values.
     old, new = (one.model_dump(mode="json") for one in (earlier.document.space, space))
     for one in (old, new):
-        del one["preset"]
+        one.pop("preset", None)
     if old != new:
         raise ConfigurationError(
             f"{earlier.title} searched another space, so that its genes mean another thing here: "

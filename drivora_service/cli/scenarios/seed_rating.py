@@ -90,7 +90,7 @@ class SceneRates(Shape):
     total: FailureRate
 
 
-def scene_of_files(files: Sequence[Path], *, agent: str, preset: str) -> dict[str, Any]:
+def scene_of_files(files: Sequence[Path], agent: str, preset: str) -> dict[str, Any]:
     """Returns a campaign on the scenarios of files, without its tester and budget.
 
     Args:

@@ -21,6 +21,7 @@ from drivora_service.cli.terminal.options import (
 from drivora_service.cli.terminal.output import JsonOption, note, print_prose, print_shape
 
 if TYPE_CHECKING:
+    from drivora_service.api.schemas.campaigns import Campaign
     from drivora_service.cli.scenarios.seed_rating import SceneRates
     from drivora_service.client import Client
 
@@ -98,21 +99,26 @@ def rate(
     with open_client(
         server, data_dir, works=True, makes_data=True, workers=workers, on_error=say_error
     ) as client:
-        from drivora_service.cli.campaigns.campaign_files import read_campaign_file
-        from drivora_service.cli.campaigns.campaign_validate_command import exit_on_problems
+        import json
+
+        from drivora_service.cli.campaigns.campaign_files import send_campaign
+        from drivora_service.cli.scenarios.file_problems import read_or_exit
         from drivora_service.cli.scenarios.seed_rating import random_campaign, scene_of_files
 
         given = campaign or Path(", ".join(str(file) for file in files or ()))
-        with exit_on_problems(given):
-            scene = (
-                scene_of_files(files or (), agent=agent, preset=preset)
-                if campaign is None
-                else read_campaign_file(campaign)
-            )
+
+        def post(scene: dict[str, Any]) -> Campaign:
             content = random_campaign(
                 scene, simulations=simulations, name=f"rate of {given}"[:200], **changes
             )
-            rates = _rate(client, content, given, server=server, data_dir=data_dir)
+            return client.post_campaign(json.dumps(content))
+
+        posted = (
+            read_or_exit(given, lambda: post(scene_of_files(files or (), agent, preset)))
+            if campaign is None
+            else send_campaign(campaign, post)
+        )
+        rates = _rate(client, posted, given, server=server, data_dir=data_dir)
     if as_json:
         from drivora_service.cli.scenarios.seed_rating import SceneRates
 
@@ -122,10 +128,8 @@ def rate(
 
 
 def _rate(
-    client: Client, content: dict[str, Any], given: Path, *, server: str, data_dir: Path | None
+    client: Client, posted: Campaign, given: Path, *, server: str, data_dir: Path | None
 ) -> SceneRates:
-    import json
-
     from drivora_service.cli.campaigns.campaign_running import follow, pause_and_wait
     from drivora_service.cli.scenarios.seed_rating import (
         is_rated,
@@ -134,7 +138,6 @@ def _rate(
         seeds_of,
     )
 
-    posted = client.post_campaign(json.dumps(content))
     for remark in posted.notes:
         note(f"note: {remark}")
     note(f"campaign {posted.id}")

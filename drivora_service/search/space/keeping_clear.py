@@ -12,8 +12,8 @@ import numpy as np
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.runs.candidate import Reference
 from drivora_service.scenario.model import ReferencePose, Scenario
+from drivora_service.search.candidate_space import CandidateSpace
 from drivora_service.search.genes import Part
-from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.usable_area import PlannedMotions, intruders
 
 MAX_TRIES = 20
@@ -34,7 +34,7 @@ def with_reference(scenario: Scenario, reference: Reference) -> Scenario:
 
 
 def keep_clear(
-    space: ScenarioSpace,
+    space: CandidateSpace,
     values: FloatArray,
     complete: Callable[[Scenario], Scenario],
     motions: PlannedMotions,

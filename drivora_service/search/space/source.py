@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+from pydantic_core import from_json
+
 from drivora_service.networks.catalogue import NetworkLookup
 from drivora_service.runs.candidate import SpaceSource
 from drivora_service.scenario.canonical import canonical_json, from_canonical
-from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.candidate_space import CandidateSpace, OwnSpace
+from drivora_service.search.space.own_space import make_space
 from drivora_service.search.space.space_options import SpaceOptions
 from drivora_service.shapes import adapter, to_json
 
+_PLUGIN = "plugin"
+"""Key of the options of a package's space, which those of the built-in one do not have."""
 
-def source_of(space: ScenarioSpace) -> SpaceSource:
+
+def source_of(space: CandidateSpace) -> SpaceSource:
     """Returns the text of a space."""
+    kind = OwnSpace if isinstance(space.options, OwnSpace) else SpaceOptions
     return SpaceSource(
-        seed=canonical_json(space.seed), options=to_json(SpaceOptions, space.options).decode()
+        seed=canonical_json(space.seed), options=to_json(kind, space.options).decode()
     )
 
 
-def space_of(source: SpaceSource, networks: NetworkLookup) -> ScenarioSpace:
+def space_of(source: SpaceSource, networks: NetworkLookup) -> CandidateSpace:
     """Builds the space of a text.
 
     Args:
@@ -32,4 +39,5 @@ def space_of(source: SpaceSource, networks: NetworkLookup) -> ScenarioSpace:
     """
     seed = from_canonical(source.seed)
     network = networks.get(seed.map_region.town)
-    return ScenarioSpace(seed, network, adapter(SpaceOptions).validate_json(source.options))
+    kind = OwnSpace if _PLUGIN in from_json(source.options) else SpaceOptions
+    return make_space(seed, network, adapter(kind).validate_json(source.options))

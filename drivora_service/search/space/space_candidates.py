@@ -6,7 +6,7 @@ import time
 from collections.abc import Collection, Sequence
 from functools import cached_property, lru_cache, partial
 
-from drivora_service.errors import Problem
+from drivora_service.errors import Problem, SearchError
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.networks.catalogue import NetworkLookup
 from drivora_service.networks.road_network import RoadNetwork
@@ -18,9 +18,9 @@ from drivora_service.scenario.checks.start_overlaps import StartPose
 from drivora_service.scenario.frames import FrameTransform
 from drivora_service.scenario.model import Scenario
 from drivora_service.scenario.validation import scenario_problems
+from drivora_service.search.candidate_space import CandidateSpace
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.space.keeping_clear import keep_clear, with_reference
-from drivora_service.search.space.scenario_space import ScenarioSpace
 from drivora_service.search.space.source import source_of
 from drivora_service.search.space.usable_area import PlannedMotions
 
@@ -34,7 +34,7 @@ class ScenarioCandidates:
 
     def __init__(
         self,
-        space: ScenarioSpace,
+        space: CandidateSpace,
         networks: NetworkLookup,
         agents: Collection[str],
         motions: PlannedMotions,
@@ -70,6 +70,17 @@ class ScenarioCandidates:
                 could use on its path are redrawn, or become absent.
         """
         begun = time.thread_time()
+        try:
+            return self._prepare(values, reference, begun)
+        except SearchError as error:
+            # The space of a package failed; so does the candidate, and not the worker.
+            return Candidate(
+                values=tuple(values.tolist()),
+                problem=str(error),
+                prepare_s=time.thread_time() - begun,
+            )
+
+    def _prepare(self, values: FloatArray, reference: Reference | None, begun: float) -> Candidate:
         repaired = self.space.repair(values)
         if reference is None:
             scenario = self.space.scenario(repaired)

@@ -97,10 +97,12 @@ def _refuse_unfinished(record: CampaignRecord) -> None:
 
 def _refuse_differences(first: Compared, other: Compared) -> None:
     mine, theirs = _conditions(first), _conditions(other)
-    differing = [name for name in mine if mine[name] != theirs[name]]
+    # Spaces of packages have other options than the built-in one.
+    names = dict.fromkeys((*mine, *theirs))
+    differing = [name for name in names if mine.get(name) != theirs.get(name)]
     if differing:
         what = "; ".join(
-            f"{name}: {_text(mine[name])} and {_text(theirs[name])}" for name in differing
+            f"{name}: {_text(mine.get(name))} and {_text(theirs.get(name))}" for name in differing
         )
         raise CampaignError(
             f"campaigns {first.record.id} ({first.record.name}) and {other.record.id} "

@@ -289,7 +289,7 @@ def test_the_agent_drives_every_ego(content: dict[str, Any], catalogues: Catalog
 
 def test_documents_have_the_options_of_the_space() -> None:
     options = {field.name for field in fields(SpaceOptions)}
-    assert set(SpaceDocument.model_fields) == {"preset", *options}
+    assert set(SpaceDocument.model_fields) == {"name", "parameters", "preset", *options}
     defaults = SpaceDocument()
     for field in fields(SpaceOptions):
         assert getattr(defaults, field.name) == getattr(SpaceOptions(), field.name)
