@@ -44,6 +44,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "campaign run": (
             "drivora campaign run campaign.yaml --out failures",
             "drivora campaign run campaign.yaml --gate",
+            "drivora campaign run campaign.yaml --start-from 01a22774cd2687ba3ce38413",
         ),
         "campaign resume": ("drivora campaign resume latest",),
         "campaign list": ("drivora campaign list --limit 10",),
@@ -84,6 +85,10 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "suite list": ("drivora suite list smoke --tag collision",),
         "seeds generate": ("drivora seeds generate --town rural --num 20 --out seeds",),
         "seeds import": ("drivora seeds import routes.xml --agent idm --out seeds",),
+        "seeds rate": (
+            "drivora seeds rate seeds/rural_0001.json --simulations 200",
+            "drivora seeds rate --campaign campaign.yaml",
+        ),
         "networks list": ("drivora networks list",),
         "networks show": ("drivora networks show tee-town",),
         "networks import": ("drivora networks import town.osm --name my-town",),

@@ -81,8 +81,11 @@ def environment_with_optuna(folder: Path) -> Path:
     (packages,) = folder.glob("lib/python*/site-packages")
     base = sysconfig.get_path("purelib")
     (packages / "base.pth").write_text(f"import site; site.addsitedir({base!r})\n")
-    command = [sys.executable, "-m", "uv", "pip", "install", "--quiet", "--python", python]
-    done = subprocess.run([*command, "optuna>=4"], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-m", "uv", "pip", "install", "--quiet", "--python", python, "optuna>=4"],
+        capture_output=True,
+        text=True,
+    )
     if done.returncode != 0:
         pytest.skip(f"Optuna cannot be installed here: {done.stderr.strip().splitlines()[-1]}")
     return python

@@ -48,7 +48,7 @@ def add_start_sources(tester: dict[str, Any]) -> None:
             "type": "object",
             "description": f"{what}; only the command line looks it up.",
             "properties": {
-                key: {"type": "string", "minLength": 1},
+                key: {"type": "string", "minLength": 1, "description": f"{what}."},
                 "with": {
                     "enum": [str(kind) for kind in StartKind],
                     "default": str(StartKind.FAILURES),

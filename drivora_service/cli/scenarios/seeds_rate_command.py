@@ -10,6 +10,7 @@ import typer
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.error_printing import say_error
+from drivora_service.cli.terminal.interruption import say_interrupted
 from drivora_service.cli.terminal.options import (
     DataDirOption,
     PostedCountsOption,
@@ -147,10 +148,16 @@ def _rate(
         batch_id, seeds = run_seeds(client, posted.document, names)
         done = follow(client, posted.id)
     except KeyboardInterrupt as error:
-        if not server:
+        if server:
+            say_interrupted(
+                f"the service continues its campaign; stop it with: drivora campaign pause {where}"
+            )
+        else:
             pause_and_wait(client, posted.id)
-        note(f"stopped; its campaign can be resumed: drivora campaign resume {where}")
-        raise typer.Exit(ExitCode.NOT_DONE) from error
+            say_interrupted(
+                f"its campaign is paused; resume it with: drivora campaign resume {where}"
+            )
+        raise typer.Exit(ExitCode.INTERRUPTED) from error
     if not is_rated(done):
         note(f"the campaign is {done.state}{f': {done.message}' if done.message else ''}")
         note(f"look at it with: drivora campaign show {where}")
