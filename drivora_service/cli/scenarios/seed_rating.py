@@ -112,18 +112,18 @@ def scene_of_files(files: Sequence[Path], agent: str, preset: str) -> dict[str, 
             for problem in one.problems
         ]
         raise ConfigurationError("\n".join(problems))
-    documents = [
-        one.document.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
-        for one in scenarios
-    ]
-    space = {"preset": preset}
-    if len(documents) == 1:
-        return {"scenario": documents[0], "space": space}
-    named = [
-        {"name": one.name, "scenario": document}
-        for one, document in zip(scenarios, documents, strict=True)
-    ]
-    return {"scenarios": named, "space": space}
+    return {
+        "scenarios": [
+            {
+                "name": one.name,
+                "scenario": one.document.model_dump(
+                    mode="json", exclude_defaults=True, exclude_none=True
+                ),
+            }
+            for one in scenarios
+        ],
+        "space": {"preset": preset},
+    }
 
 
 def random_campaign(

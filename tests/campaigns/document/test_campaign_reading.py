@@ -333,7 +333,9 @@ def test_a_stored_space_does_not_follow_its_preset(
     )
     monkeypatch.setattr(campaign_documents, "PRESETS", {**PRESETS, SpacePreset.BEHAVEXPLOR: later})
     assert read_campaign(stored, catalogues).campaign.space == valid.campaign.space
-    assert read_campaign(content, catalogues).campaign.space.vehicles == 9
+    space = read_campaign(content, catalogues).campaign.space
+    assert isinstance(space, SpaceOptions)
+    assert space.vehicles == 9
 
 
 def test_a_space_that_cannot_be_is_a_problem_of_the_space(

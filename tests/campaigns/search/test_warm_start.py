@@ -86,7 +86,7 @@ def generations(told: list[tuple[Evaluation, ...]]) -> Script:
 def test_more_than_a_method_draws_are_simulated_before_it_breeds() -> None:
     told: list[tuple[Evaluation, ...]] = []
     tester = WarmStart(ScriptedTester(generations(told)), known(5), SPACE)
-    evaluations = []
+    evaluations: list[Evaluation] = []
     for _ in range(9):
         (proposal,) = tester.ask(1)
         evaluation = evaluated(len(evaluations), proposal)
