@@ -125,7 +125,8 @@ def rate(
 
         print_shape(SceneRates, rates)
     else:
-        _print_rates(rates)
+        where = f"{rates.campaign_id} {location(server, data_dir)}".rstrip()
+        _print_rates(rates, where)
 
 
 def _rate(
@@ -165,7 +166,7 @@ def _rate(
     return rate_scenes(client, done, names, seeds, batch_id)
 
 
-def _print_rates(rates: SceneRates) -> None:
+def _print_rates(rates: SceneRates, where: str) -> None:
     from drivora_service.cli.terminal.output import print_table
     from drivora_service.studies.failure_rates import FailureRate, percent
 
@@ -192,4 +193,4 @@ def _print_rates(rates: SceneRates) -> None:
         )
         print_prose(f"{scene.name}: {scene.words}{unjudged}")
     print_prose(f"Failures are {rates.definition}.")
-    note(f"look at them with: drivora campaign show {rates.campaign_id}")
+    note(f"look at them with: drivora campaign show {where}")

@@ -20,7 +20,7 @@ def start_notes(campaigns: Sequence[Compared]) -> Iterator[str]:
                 starts.setdefault(one.subject.method, {})[start.words] = None
         if not starts:
             continue
-        told = "; ".join(f"{method} from {_join(words)}" for method, words in starts.items())
+        told = "; ".join(f"{method}: {_join(words)}" for method, words in starts.items())
         cold = [m for m in dict.fromkeys(one.subject.method for one in here) if m not in starts]
         effect = (
             "what those campaigns had found is counted for these methods again, and not for "

@@ -79,7 +79,7 @@ def test_searches_from_known_candidates_are_methods_of_their_own(catalogues: Cat
         "avfuzzer from elites",
     ]
     (note,) = start_notes(make_compared_campaigns(records, catalogues.testers))
-    assert "from 1 failure of campaign a, 1 failure of campaign b" in note
+    assert "avfuzzer from failures: 1 failure of campaign a, 1 failure of campaign b" in note
     assert "not for avfuzzer, which started from nothing" in note
     compared = make_compared_campaigns(records[1:], catalogues.testers)
     assert "all methods did" in "".join(start_notes(compared))
