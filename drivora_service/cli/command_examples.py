@@ -44,7 +44,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "campaign run": (
             "drivora campaign run campaign.yaml --out failures",
             "drivora campaign run campaign.yaml --gate",
-            "drivora campaign run campaign.yaml --start-from 01a22774cd2687ba3ce38413",
+            "drivora campaign run campaign.yaml --start-from latest",
         ),
         "campaign resume": ("drivora campaign resume latest",),
         "campaign list": ("drivora campaign list --limit 10",),

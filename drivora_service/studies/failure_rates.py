@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pydantic import computed_field
 
 from drivora_service.shapes import Shape
+from drivora_service.store.campaigns.campaign_warnings import upper_bound
 
 TOO_RARE = 0.005
 """Rate of random failures below which campaigns hardly differ: 200 simulations, as many as most
@@ -92,6 +93,11 @@ class FailureRate(Shape):
         return low, high
 
 
+def _bound(rate: FailureRate) -> float:
+    """Returns the rate above which it hardly is; of none that fail, the bound has one side."""
+    return rate.high if rate.failing else upper_bound(rate.simulations)
+
+
 def percent(share: float) -> str:
     """Writes a share in percent, with two digits that count at most."""
     value = 100.0 * share
@@ -111,7 +117,7 @@ def describe_rate(rate: FailureRate) -> str:
         )
     elif rate.is_too_rare:
         meaning = (
-            f"a rate above {percent(rate.high)} is unlikely; below {percent(TOO_RARE)} methods "
+            f"a rate above {percent(_bound(rate))} is unlikely; below {percent(TOO_RARE)} methods "
             "hardly differ. Try another scene or a space with more actors, or give campaigns "
             "thousands of simulations."
         )

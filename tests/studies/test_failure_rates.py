@@ -47,7 +47,7 @@ def test_the_words_follow_the_thresholds() -> None:
 
 def test_none_of_a_hundred_bounds_the_rate() -> None:
     words = describe_rate(FailureRate(failing=0, simulations=100))
-    assert words.startswith("0 of 100 fail (0 %): a rate above 3.6 % is unlikely; below 0.5 %")
+    assert words.startswith("0 of 100 fail (0 %): a rate above 3 % is unlikely; below 0.5 %")
     assert "make more" not in words
     assert "make more" in describe_rate(FailureRate(failing=0, simulations=20))
 

@@ -65,7 +65,10 @@ def add_start_sources(tester: dict[str, Any]) -> None:
             "additionalProperties": False,
         }
         for key, what in (
-            ("campaign", "Id or name of an earlier campaign on the same scenario and space"),
+            (
+                "campaign",
+                "Id or name of an earlier campaign on the same scenario and space, or latest",
+            ),
             ("folder", "Folder that an earlier campaign was written to, relative to this file"),
         )
     ]

@@ -80,7 +80,7 @@ def run(
         typer.Option(
             metavar="CAMPAIGN|DIR",
             help="Begin with candidates of an earlier campaign on the same scenario and space: its "
-            "id, its name, or the folder that --out wrote.",
+            "id, first digits of it, its name, latest, or the folder that --out wrote.",
         ),
     ] = "",
     start_with: Annotated[

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument, SpaceDocument
 from drivora_service.campaigns.document.start_documents import StartKind
+from drivora_service.cli.application.references import id_of
 from drivora_service.errors import ConfigurationError, NotFound
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.search.tester import EvaluationStatus
@@ -20,6 +21,7 @@ from drivora_service.store.campaigns.campaign_records import (
     EvaluationFilter,
     EvaluationSummary,
 )
+from drivora_service.store.id_records import IdKind
 from drivora_service.studies.comparison.compared_subjects import scenario_identity
 
 if TYPE_CHECKING:
@@ -37,7 +39,8 @@ class StartChoice:
     """What a user chose to start from.
 
     Attributes:
-        source: Id or name of a campaign, or a folder that one was written to.
+        source: A campaign by its id, the first digits of it, its name or ``latest``, or a folder
+            that one was written to.
         folder: Folder that a relative ``source`` is relative to.
         kind: Whether its failures or its elites.
         most: Candidates of each seed scenario, at most.
@@ -211,19 +214,12 @@ def _short(value: object) -> str:
 
 def _read_campaign(client: Client, choice: StartChoice) -> Earlier:
     try:
-        campaign = client.campaign(choice.source)
+        campaign = client.campaign(id_of(client, choice.source, IdKind.CAMPAIGN))
     except NotFound as error:
-        named = [one.id for one in client.campaigns() if one.name == choice.source]
-        if len(named) != 1:
-            what = (
-                f"{len(named)} campaigns have the name {choice.source!r}; give the id of one: "
-                + ", ".join(named[:_MOST_DIFFERENCES])
-                if named
-                else f"there is no folder and no campaign {choice.source!r}; `drivora campaign "
-                "list` names the campaigns"
-            )
-            raise ConfigurationError(what) from error
-        campaign = client.campaign(named[0])
+        folder = (
+            "" if choice.is_folder is False else f"\nThere is no folder {choice.source!r} either"
+        )
+        raise ConfigurationError(f"{error}{folder}") from error
     title = f"campaign {campaign.id} ({campaign.name})"
     summaries = (
         _choose_failures(client, campaign.id)

@@ -2,50 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drivora_service.errors import ConfigurationError, InvalidDocument
-from drivora_service.oracles.verdicts.failure_definition import definition_of
+from drivora_service.errors import ConfigurationError
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.shapes import Shape
 from drivora_service.store.campaigns.campaign_records import CampaignState, Confirmation
+from drivora_service.store.campaigns.seed_run_records import SeedRun
 from drivora_service.studies.failure_rates import FailureRate, describe_rate
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.campaigns import Campaign
-    from drivora_service.api.schemas.runs import Run
     from drivora_service.client import Client
-
-BATCH = "drivora seeds rate"
-"""Name of the batch of the seeds' own runs."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SeedRun(Shape):
-    """The run of a seed scenario as it is.
-
-    Attributes:
-        run_id: Its id; empty if it could not be run.
-        status: Status of the run.
-        failures: Oracles by which it fails.
-        message: Why it has no result; empty otherwise.
-    """
-
-    run_id: str
-    status: RunStatus
-    failures: tuple[str, ...]
-    message: str = ""
-
-    def __str__(self) -> str:
-        """Returns it in a few words."""
-        if self.status is not RunStatus.FINISHED:
-            return self.status.replace("_", " ")
-        return f"fails: {', '.join(self.failures)}" if self.failures else "passes"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +27,8 @@ class SeedRate(Shape):
     Attributes:
         name: Name of the seed scenario.
         town: Its road network.
-        seed: The run of the seed scenario itself.
+        seed: The run of the seed scenario itself; null if the campaign did not run it, as of the
+            later ones of many.
         total: By any oracle.
         oracles: By each oracle that failed any simulation; one may fail by several.
         without_result: Simulations that were not judged, such as those in which the ADS ended.
@@ -64,7 +37,7 @@ class SeedRate(Shape):
 
     name: str
     town: str
-    seed: SeedRun
+    seed: SeedRun | None
     total: FailureRate
     oracles: Mapping[str, FailureRate]
     without_result: int
@@ -77,14 +50,12 @@ class SceneRates(Shape):
 
     Attributes:
         campaign_id: The campaign of random search that simulated them.
-        batch_id: The batch of the seeds' own runs.
         definition: What counts as a failure, in words.
         scenes: By seed scenario.
         total: Of all together.
     """
 
     campaign_id: str
-    batch_id: str
     definition: str
     scenes: tuple[SeedRate, ...]
     total: FailureRate
@@ -152,63 +123,7 @@ def seeds_of(document: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
     return {one["name"]: one["scenario"] for one in document["scenarios"]}
 
 
-def run_seeds(
-    client: Client, document: Mapping[str, Any], names: Sequence[str]
-) -> tuple[str, tuple[SeedRun, ...]]:
-    """Runs the seed scenarios of a campaign as they are.
-
-    Args:
-        client: Client of the application or service that runs them.
-        document: The campaign, with defaults filled in.
-        names: Display names of the seed scenarios.
-
-    Returns:
-        The id of their batch, and their runs in order.
-    """
-    seeds = seeds_of(document)
-    agent = document.get("agent") or {}
-    parameters = agent.get("parameters") or {}
-    try:
-        posted = client.post_batch(
-            [json.dumps(one) for one in seeds.values()],
-            labels=list(names),
-            name=BATCH,
-            agent=agent.get("name", ""),
-            agent_parameters=[f"{key}={json.dumps(value)}" for key, value in parameters.items()],
-            definition=definition_of(document),
-        )
-    except InvalidDocument as error:
-        message = "; ".join(problem.message for problem in error.problems)
-        refused = SeedRun(run_id="", status=RunStatus.INVALID, failures=(), message=message)
-        return "", (refused,) * len(seeds)
-    found: dict[int, SeedRun] = {}
-    for item in posted.items:
-        message = "; ".join(problem.message for problem in item.problems)
-        found[item.item] = SeedRun(
-            run_id="", status=RunStatus.INVALID, failures=(), message=message
-        )
-    for run in client.wait_for_batch(posted.batch.id):
-        found[run.item] = _seed_run(run)
-    return posted.batch.id, tuple(found[place] for place in range(len(seeds)))
-
-
-def _seed_run(run: Run) -> SeedRun:
-    failing = dict.fromkeys(run.verdicts[place].oracle for place in run.failing_verdicts)
-    return SeedRun(
-        run_id=run.id,
-        status=run.status,
-        failures=tuple(failing),
-        message="" if run.error is None else run.error.message,
-    )
-
-
-def rate_scenes(
-    client: Client,
-    campaign: Campaign,
-    names: Sequence[str],
-    seeds: Sequence[SeedRun],
-    batch_id: str,
-) -> SceneRates:
+def rate_scenes(client: Client, campaign: Campaign, names: Sequence[str]) -> SceneRates:
     """Counts the failing simulations of a finished campaign of random search.
 
     Failures that an identical run did not repeat are left out.
@@ -217,8 +132,6 @@ def rate_scenes(
         client: Client of the application or service with the campaign.
         campaign: The campaign.
         names: Display names of its seed scenarios.
-        seeds: Their own runs.
-        batch_id: The batch of these.
     """
     failing: dict[int, set[str]] = defaultdict(set)
     for failure in client.failures(campaign.id):
@@ -232,7 +145,8 @@ def rate_scenes(
             unjudged[one.seed_number] += one.status == "failed"
     towns = [str(seed["map_region"]["town"]) for seed in seeds_of(campaign.document).values()]
     scenes = []
-    for place, (name, town, seed) in enumerate(zip(names, towns, seeds, strict=True)):
+    seeds = {one.place: one for one in campaign.seed_runs}
+    for place, (name, town) in enumerate(zip(names, towns, strict=True)):
         numbers = simulated[place]
         total = FailureRate(
             failing=sum(number in failing for number in numbers), simulations=len(numbers)
@@ -242,7 +156,7 @@ def rate_scenes(
             SeedRate(
                 name=name,
                 town=town,
-                seed=seed,
+                seed=seeds.get(place),
                 total=total,
                 oracles={
                     oracle: FailureRate(
@@ -252,12 +166,11 @@ def rate_scenes(
                     for oracle in oracles
                 },
                 without_result=unjudged[place],
-                words=_words(seed, total),
+                words=_words(seeds.get(place), total),
             )
         )
     return SceneRates(
         campaign_id=campaign.id,
-        batch_id=batch_id,
         definition=campaign.definition.words,
         scenes=tuple(scenes),
         total=FailureRate(
@@ -272,13 +185,18 @@ def is_rated(campaign: Campaign) -> bool:
     return campaign.state is CampaignState.FINISHED
 
 
-def _words(seed: SeedRun, total: FailureRate) -> str:
+def seed_words(seed: SeedRun | None) -> str:
+    """Returns how the run of a seed scenario ended, in a few words."""
+    if seed is None:
+        return "not run"
+    if seed.status is not RunStatus.FINISHED:
+        return seed.status.replace("_", " ")
+    oracles = dict.fromkeys(verdict.oracle for verdict in seed.failures)
+    return f"fails: {', '.join(oracles)}" if oracles else "passes"
+
+
+def _words(seed: SeedRun | None, total: FailureRate) -> str:
     words = describe_rate(total)
-    if seed.failures:
-        words += (
-            f" The seed scenario itself fails ({', '.join(seed.failures)}): a search from it finds "
-            "that failure again and again; mend the scenario, or take another."
-        )
-    elif seed.status is not RunStatus.FINISHED:
-        words += f" The seed scenario itself has no result ({seed}: {seed.message})."
+    if seed is not None and seed_words(seed) != "passes":
+        words += f" The seed scenario itself: {seed_words(seed)}."
     return words

@@ -73,7 +73,7 @@ def rate(
 ) -> None:
     """Tells how often random scenarios of a scene fail, before a campaign or a study on it.
 
-    Runs each seed scenario as it is, then random scenarios around it, as a campaign of the tester
+    Runs random scenarios around each seed scenario, and that as it is, as a campaign of the tester
     `random` that is kept. Exits with 3 if that does not finish.
     """
     if bool(files) is (campaign is not None):
@@ -136,7 +136,6 @@ def _rate(
     from drivora_service.cli.scenarios.seed_rating import (
         is_rated,
         rate_scenes,
-        run_seeds,
         seeds_of,
     )
 
@@ -146,7 +145,6 @@ def _rate(
     where = f"{posted.id} {location(server, data_dir)}".rstrip()
     names = [name or given.stem for name in seeds_of(posted.document)]
     try:
-        batch_id, seeds = run_seeds(client, posted.document, names)
         done = follow(client, posted.id)
     except KeyboardInterrupt as error:
         if server:
@@ -163,10 +161,11 @@ def _rate(
         note(f"the campaign is {done.state}{f': {done.message}' if done.message else ''}")
         note(f"look at it with: drivora campaign show {where}")
         raise typer.Exit(ExitCode.NOT_DONE)
-    return rate_scenes(client, done, names, seeds, batch_id)
+    return rate_scenes(client, done, names)
 
 
 def _print_rates(rates: SceneRates, where: str) -> None:
+    from drivora_service.cli.scenarios.seed_rating import seed_words
     from drivora_service.cli.terminal.output import print_table
     from drivora_service.studies.failure_rates import FailureRate, percent
 
@@ -176,7 +175,7 @@ def _print_rates(rates: SceneRates, where: str) -> None:
 
     rows = []
     for scene in rates.scenes:
-        rows.append((scene.name, str(scene.seed), "any", *cells(scene.total)))
+        rows.append((scene.name, seed_words(scene.seed), "any", *cells(scene.total)))
         rows += [("", "", name, *cells(found)) for name, found in scene.oracles.items()]
     if len(rates.scenes) > 1:
         rows.append(("all", "", "any", *cells(rates.total)))

@@ -95,7 +95,7 @@ def test_what_cannot_be_started_from_is_refused_with_what_differs(
     other = write(tmp_path, "other", vehicles=3)
     assert "/space/vehicles 2 there, 3 here" in refusal(other, "--start-from", kept["id"])
     assert "/space/vehicles 2 there, 3 here" in refusal(other, "--start-from", "kept")
-    assert "no campaign 'none'" in refusal(first, "--start-from", "none")
+    assert "unknown campaign 'none'" in refusal(first, "--start-from", "none")
     (tmp_path / "empty").mkdir()
     assert "holds no campaign.json" in refusal(first, "--start-from", "empty")
     from_kept = ("--start-from", "kept", "--start-with", "elites")
