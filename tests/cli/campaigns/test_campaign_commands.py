@@ -124,7 +124,7 @@ def test_a_bad_file_is_refused_with_every_place(drivora: Drivora, campaign_file:
 @pytest.mark.parametrize(
     ("scenario", "said"),
     [
-        ("{file: nowhere.json}", "nowhere.json cannot be read"),
+        ("{file: nowhere.json}", "/scenario/file: there is no file"),
         ("{file: 3}", "found no file name"),
         ("{file: [}", "not YAML"),
         ("{map_region: {town: tee-town}}", "/scenario/ego_vehicles"),
