@@ -116,7 +116,7 @@ def test_baselines_and_measures_can_be_chosen(
     )
     assert {row.name for row in chosen.overview} == {"random", "idm"}
     assert {row.measure for row in chosen.overview} == {"kinds"}
-    with pytest.raises(UnknownName, match="known: random, fuzzer"):
+    with pytest.raises(UnknownName, match="Known: random, fuzzer"):
         compare_study(database, study_id, catalogues, baseline_method="avfuzzer")
 
 
