@@ -7,6 +7,7 @@ affects only its own plug-ins.
 from __future__ import annotations
 
 import logging
+import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
@@ -24,6 +25,9 @@ from drivora_service.errors import DrivoraError, UnknownName
 from drivora_service.foreign_errors import describe_exception
 
 _log = logging.getLogger(__name__)
+
+
+_PACKAGE = re.compile(r"of the package '([^']+)'")
 
 
 class Plugin(Protocol):
@@ -105,7 +109,9 @@ class PluginTable(Generic[P]):
         return self._plugins[name]
 
     def _load(self, point: EntryPoint) -> P:
+        package = "" if point.dist is None else point.dist.name
         where = f"entry point {point.name!r} of {self._group!r}"
+        where += f" of the package {package!r}" if package else ""
         try:
             loaded = point.load()
         except (Exception, SystemExit) as error:
@@ -151,6 +157,22 @@ def describe_missing_packages(versions: Mapping[str, str], made: str) -> str:
         f"{made} was made with {named}, not installed here: install it again (`python -m pip "
         f"install {install}`, or the folder of the package), and restart a service"
     )
+
+
+def describe_plugin(kind: str, name: str, package: str) -> str:
+    """Returns the words for a plug-in with which messages about it begin.
+
+    Args:
+        kind: Kind of the plug-in.
+        name: Its name.
+        package: Name of its package; "" for a built-in one.
+    """
+    return f"{kind} {name!r}" + (f" of the package {package!r}" if package else "")
+
+
+def named_packages(message: str) -> tuple[str, ...]:
+    """Returns the packages that a message about plug-ins names, each once."""
+    return tuple(dict.fromkeys(_PACKAGE.findall(message)))
 
 
 def _entry_points() -> Mapping[str, EntryPoints]:

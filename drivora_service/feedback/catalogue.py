@@ -53,6 +53,10 @@ class FeedbackCatalogue:
         """Returns the names of all feedbacks, sorted."""
         return self._table.names()
 
+    def package(self, name: str) -> str:
+        """Returns the name of a feedback's package, "" for a built-in one."""
+        return self._table.package(name)
+
     def plugin(self, name: str) -> FeedbackPlugin:
         """Returns a feedback's plug-in.
 

@@ -13,6 +13,7 @@ from drivora_service.foreign_errors import describe_exception
 from drivora_service.oracles.verdict import Oracle, Outcome, Verdict
 from drivora_service.oracles.verdicts.verdict_json import plain_verdict
 from drivora_service.oracles.verdicts.violation_magnitude import DECLARED, declared_magnitude
+from drivora_service.plugin_table import describe_plugin
 
 if TYPE_CHECKING:
     from drivora_service.observations.run_view import RunView
@@ -50,8 +51,7 @@ class InstalledOracle:
             answer: Any = self.oracle.judge(run)
         except (Exception, SystemExit) as error:
             raise OracleError(
-                f"oracle {self.name!r} of the package {self.package!r} raised "
-                f"{describe_exception(error)}",
+                f"{self._words} raised {describe_exception(error)}",
                 cause="oracle_raised",
                 log=traceback_of(error),
             ) from error
@@ -60,6 +60,10 @@ class InstalledOracle:
         if problem:
             raise self._refusal(problem)
         return verdicts
+
+    @property
+    def _words(self) -> str:
+        return describe_plugin("oracle", self.name, self.package)
 
     def _plain(self, answer: Any) -> tuple[Verdict, ...]:
         """Returns a valid answer as it is read back from storage."""
@@ -100,7 +104,7 @@ class InstalledOracle:
 
     def _refusal(self, problem: str) -> OracleError:
         return OracleError(
-            f"oracle {self.name!r} of the package {self.package!r} answered {problem}",
+            f"{self._words} answered {problem}",
             cause="oracle_invalid_verdict",
         )
 

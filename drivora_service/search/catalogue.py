@@ -74,6 +74,10 @@ class TesterCatalogue:
         """
         return self._table.plugin(name)
 
+    def package(self, name: str) -> str:
+        """Returns the name of a tester's package, "" for a built-in one."""
+        return self._table.package(name)
+
     def versions(self, name: str) -> Mapping[str, str]:
         """Returns the packages of a tester with their versions, as far as they are installed.
 

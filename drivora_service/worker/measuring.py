@@ -14,6 +14,7 @@ from drivora_service.feedback.measurement import Feedback, FeedbackChoice, Measu
 from drivora_service.foreign_errors import exception_place
 from drivora_service.observations.run_view import RunView
 from drivora_service.oracles.laws.law import Law
+from drivora_service.plugin_table import describe_plugin
 
 _LOG = 4000
 """Number of characters of a traceback that are kept."""
@@ -73,7 +74,7 @@ def measure_run(name: str, feedback: Feedback, run: RunView) -> Measurement:
     problem = next(_problems(answer, expected), "")
     if problem:
         raise PluginError(
-            f"feedback {name!r} answered {problem}", cause="feedback_invalid_measurement"
+            f"{_words(name)} answered {problem}", cause="feedback_invalid_measurement"
         )
     measured: Measurement = answer
     return measured
@@ -101,10 +102,15 @@ def _is_number(value: Any) -> bool:
 
 def _make_plugin_error(name: str, when: str, error: BaseException) -> PluginError:
     return PluginError(
-        f"feedback {name!r} raised {type(error).__name__} {when}: {error}{exception_place(error)}",
+        f"{_words(name)} raised {type(error).__name__} {when}: {error}{exception_place(error)}",
         cause="feedback_raised",
         log=_log(error),
     )
+
+
+def _words(name: str) -> str:
+    """Returns the words for a feedback, with its package."""
+    return describe_plugin("feedback", name, FeedbackCatalogue(()).package(name))
 
 
 def _log(error: BaseException) -> str:

@@ -251,7 +251,8 @@ def _make_campaign(
     kinds = transaction.campaign_views.kinds(record.id)
     notes = () if valid is None else valid.notes_for(valid.campaign.workers)
     seeds = transaction.campaign_views.seeds(record.id)
-    return campaign_of(record, kinds, seeds, PREFIX, notes=notes)
+    missing = transaction.campaign_views.missing_results(campaign_id=record.id)
+    return campaign_of(record, kinds, seeds, PREFIX, missing=missing, notes=notes)
 
 
 def _as_seen(context: ApiContext, campaign: CampaignSummary) -> CampaignSummary:

@@ -296,4 +296,7 @@ def _study(
     has_process = context.studies.has_process(study_id)
     record = transaction.studies.get(study_id)
     scenes = transaction.studies.scenes(study_id)
-    return study_of(record, scenes, PREFIX, has_process=has_process, notes=notes)
+    missing = transaction.campaign_views.missing_results(study_id=study_id)
+    return study_of(
+        record, scenes, PREFIX, has_process=has_process, missing=missing, notes=notes
+    )

@@ -30,6 +30,7 @@ from drivora_service.store.campaigns.campaign_records import (
     FailureKind,
     SeedFindings,
 )
+from drivora_service.store.campaigns.missing_results import MissingResult
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,6 +41,7 @@ class Campaign(CampaignRecord):
         definition: What it counts as failures.
         kinds: Failures by kind, first found first.
         seeds: Findings by seed scenario; empty if there is only one.
+        missing_results: Why runs have no result, the most frequent reason first.
         notes: Warnings; in the answer to posting only.
         evaluations_url: Address of its evaluations.
         failures_url: Address of its failures.
@@ -49,6 +51,7 @@ class Campaign(CampaignRecord):
     definition: StatedDefinition
     kinds: tuple[FailureKind, ...]
     seeds: tuple[SeedFindings, ...] = ()
+    missing_results: tuple[MissingResult, ...] = ()
     notes: tuple[str, ...] = ()
     evaluations_url: str
     failures_url: str
@@ -195,6 +198,7 @@ def campaign_of(
     seeds: tuple[SeedFindings, ...],
     base: str,
     *,
+    missing: tuple[MissingResult, ...] = (),
     notes: tuple[str, ...] = (),
 ) -> Campaign:
     """Returns a campaign with its addresses; ``base`` is the address of the API."""
@@ -205,6 +209,7 @@ def campaign_of(
         definition=state_definition((definition_of(campaign.document),)),
         kinds=kinds,
         seeds=seeds,
+        missing_results=missing,
         notes=notes,
         evaluations_url=f"{url}/evaluations",
         failures_url=f"{url}/failures",

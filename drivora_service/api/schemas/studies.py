@@ -14,6 +14,7 @@ from drivora_service.oracles.verdicts.failure_definition import (
 )
 from drivora_service.shapes import combine
 from drivora_service.store.campaigns.campaign_warnings import CampaignWarning
+from drivora_service.store.campaigns.missing_results import MissingResult
 from drivora_service.store.campaigns.study_records import (
     StudyRecord,
     StudyScene,
@@ -37,6 +38,7 @@ class Study(StudyRecord):
 
     Attributes:
         definition: What its campaigns count as failures.
+        missing_results: Why runs have no result, the most frequent reason first.
         notes: Warnings; in the answer to posting only.
         warnings: Warnings that a scene says little: its seed fails, or all or none of its
             simulations do.
@@ -45,6 +47,7 @@ class Study(StudyRecord):
 
     state: StudyState
     definition: StatedDefinition
+    missing_results: tuple[MissingResult, ...] = ()
     notes: tuple[str, ...] = ()
     warnings: tuple[CampaignWarning, ...] = ()
     campaigns_url: str
@@ -82,6 +85,7 @@ def study_of(
     base: str,
     *,
     has_process: bool,
+    missing: tuple[MissingResult, ...] = (),
     notes: tuple[str, ...] = (),
 ) -> Study:
     """Returns a study with its addresses.
@@ -91,6 +95,7 @@ def study_of(
         scenes: What it has found by seed scenario and ADS.
         base: Address of the API.
         has_process: Whether the process of a command runs it.
+        missing: Why runs have no result.
         notes: Warnings.
     """
     return combine(
@@ -98,6 +103,7 @@ def study_of(
         study,
         definition=state_definition((definition_of(study.document),)),
         state=state_of(study, has_process=has_process),
+        missing_results=missing,
         notes=notes,
         warnings=study_warnings(scenes),
         campaigns_url=f"{base}/campaigns?study={study.id}",

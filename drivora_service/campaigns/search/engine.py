@@ -64,6 +64,7 @@ class Search:
         feedback: The feedback that the testers ask for.
         definition: What counts as a failure.
         seed_names: Names of the seed scenarios, one a part; none if there is only one.
+        tester: The words for the tester in messages.
     """
 
     run_prefix: str
@@ -73,6 +74,7 @@ class Search:
     budget: int
     lookahead: int
     seed_names: tuple[str, ...] = ()
+    tester: str = "tester"
 
     @property
     def genes(self) -> int:
@@ -348,8 +350,8 @@ class Engine:
             raise
         except (Exception, SystemExit) as error:
             raise PluginError(
-                f"the tester raised {type(error).__name__} when it was {call}: {error}"
-                f"{exception_place(error)}",
+                f"the {self._search.tester} raised {type(error).__name__} when it was {call}: "
+                f"{error}{exception_place(error)}",
                 cause="tester_raised",
                 log="".join(traceback.format_exception(error))[-_LOG:],
             ) from error

@@ -19,6 +19,7 @@ from drivora_service.campaigns.search.warm_start import ShiftedCheckpoints, Warm
 from drivora_service.errors import InvalidDocument, NetworkError, Problem, SearchError
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.observations.planned_motion import PlannedMotion
+from drivora_service.plugin_table import describe_plugin
 from drivora_service.scenario.model import NpcBehavior, Scenario
 from drivora_service.search.aims import aims_of
 from drivora_service.search.candidate_space import CandidateSpace, OwnSpace
@@ -141,6 +142,7 @@ def prepare_search(
         budget=campaign.budget,
         lookahead=campaign.lookahead,
         seed_names=tuple(seed.name for seed in valid.seeds),
+        tester=describe_plugin("tester", plugin.name, catalogues.testers.package(plugin.name)),
     )
 
 

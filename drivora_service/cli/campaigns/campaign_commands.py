@@ -325,6 +325,10 @@ def _finish(
     form: Form,
 ) -> None:
     """Follows a campaign to its end, shows it and judges it."""
+    from drivora_service.cli.campaigns.campaign_endings import (
+        ending_hint,
+        is_undecided,
+    )
     from drivora_service.cli.campaigns.campaign_running import (
         export_campaign,
         follow,
@@ -355,20 +359,17 @@ def _finish(
     if out is not None:
         export_campaign(client, campaign, out)
     _show(client, campaign, form)
+    hint = ending_hint(campaign, where, out)
     if is_interrupted and campaign.state is CampaignState.PAUSED:
         done = campaign.counts.evaluations
         say_interrupted(
-            f"the campaign is paused and its {done} evaluations are kept; resume it with: "
-            f"drivora campaign resume {where}"
+            f"the campaign is paused and its {done} evaluations are kept; "
+            f"{hint.partition('; ')[2]}"
         )
         raise typer.Exit(ExitCode.INTERRUPTED)
-    if campaign.state in (
-        CampaignState.PAUSED,
-        CampaignState.FAILED,
-        CampaignState.INTERRUPTED,
-    ):
-        note(f"{campaign.state}; resume it with: drivora campaign resume {where}")
-    if campaign.state is not CampaignState.FINISHED:
+    if hint:
+        note(hint)
+    if campaign.state is not CampaignState.FINISHED or is_undecided(campaign, gate):
         raise typer.Exit(ExitCode.NOT_DONE)
     if gate is not None:
         from drivora_service.cli.campaigns.campaign_gates import judge_campaign

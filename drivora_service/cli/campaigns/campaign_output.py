@@ -15,6 +15,7 @@ from drivora_service.store.campaigns.campaign_records import (
     CampaignCounts,
     EvaluationSummary,
 )
+from drivora_service.store.campaigns.missing_results import missing_words
 
 _SHOWN = 40
 """Evaluations of a lineage in a table."""
@@ -60,7 +61,7 @@ def print_campaign(campaign: Campaign) -> None:
     print(
         f"  {campaign.simulations} of {campaign.budget} simulations in {campaign.active_s:.0f} s "
         f"({number(campaign.rate, 2)} a second); {counts.invalid} candidates invalid, "
-        f"{counts.failed} runs without a result"
+        f"{missing_words(counts.failed, campaign.missing_results)}"
     )
     print(f"  {counts.violating} failing ({_accountable(counts)})")
     print(f"  Failures are {campaign.definition.words}")

@@ -56,6 +56,7 @@ def draw_report(
         note=figures.note,
         privileged=figures.privileged,
         seeds=campaign.seeds,
+        missing=campaign.missing_results,
     )
     if folder is None:
         return DrawnReport(report=report, pictures={})

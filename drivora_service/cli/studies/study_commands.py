@@ -265,6 +265,7 @@ def _finish(
     form: Form,
 ) -> None:
     """Follows a study to its end, and shows it."""
+    from drivora_service.cli.campaigns.campaign_endings import is_unjudged, unjudged_hint
     from drivora_service.cli.studies.study_display import study_display
     from drivora_service.store.campaigns.study_records import StudyState
 
@@ -289,6 +290,9 @@ def _finish(
         note(f"study {study.id}: drivora study show {where}")
         raise
     _show(client, study, form)
+    if is_unjudged(study.counts):
+        fail(unjudged_hint("study", study.counts, study.missing_results))
+        raise typer.Exit(ExitCode.NOT_DONE)
     if study.state is StudyState.FINISHED:
         return
     if is_interrupted and study.state is StudyState.PAUSED:

@@ -10,6 +10,7 @@ from drivora_service.cli.campaigns.campaign_warning_text import print_warning
 from drivora_service.cli.terminal.output import print_table
 from drivora_service.shapes import adapter
 from drivora_service.store.campaigns.campaign_records import CampaignState, CampaignSummary
+from drivora_service.store.campaigns.missing_results import missing_words
 
 
 def study_content(study: Study, campaigns: Sequence[CampaignSummary]) -> dict[str, Any]:
@@ -49,7 +50,7 @@ def print_study(study: Study, campaigns: Sequence[CampaignSummary]) -> None:
     print(f"  {sum(study.campaigns.values())} campaigns: {states}")
     print(
         f"  {study.simulations} of {study.budget} simulations; {counts.invalid} candidates "
-        f"invalid, {counts.failed} runs without a result"
+        f"invalid, {missing_words(counts.failed, study.missing_results)}"
     )
     avoidable = f"; {counts.avoidable} of them avoidable" if counts.at_fault else ""
     print(f"  {counts.violating} failing ({counts.at_fault} at fault{avoidable})")

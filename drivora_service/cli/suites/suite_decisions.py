@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -30,7 +32,7 @@ from drivora_service.suites.reports.suite_recording import decision_of, outcomes
 from drivora_service.suites.reports.suite_report import SuiteReport
 from drivora_service.suites.suite import Suite
 from drivora_service.suites.suite_checks import check_baseline
-from drivora_service.suites.suite_results import SuiteResults
+from drivora_service.suites.suite_results import SuiteResults, SuiteRun
 
 
 def confirm_changes(
@@ -130,6 +132,14 @@ def post_decision(client: Client, report: SuiteReport) -> str:
         return ""
 
 
+def _unjudged(runs: Sequence[SuiteRun]) -> str:
+    """Returns how many runs were not judged, and the most frequent reason."""
+    ((message, number),) = Counter(run.message for run in runs).most_common(1)
+    few = "1 run was" if len(runs) == 1 else f"{len(runs)} runs were"
+    share = "" if number == len(runs) else f" ({number} of them)"
+    return f"{few} not judged: {message}{share}"
+
+
 def print_and_exit(
     report: SuiteReport, form: Form, *, judges: bool, suite_run_id: str = ""
 ) -> None:
@@ -146,8 +156,7 @@ def print_and_exit(
     else:
         form.print_content({**report_content(report), "id": suite_run_id})
     if report.decision.unfinished and judges:
-        unjudged = len(report.decision.unfinished)
-        note(f"{unjudged} runs were not judged")
+        note(_unjudged(report.decision.unfinished))
     if not judges:
         note("this is a shard: `drivora suite gate` decides on the results of all of them")
         raise typer.Exit(ExitCode.DONE)

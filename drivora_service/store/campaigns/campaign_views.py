@@ -22,10 +22,11 @@ from drivora_service.store.campaigns.campaign_records import (
     SeedFindings,
 )
 from drivora_service.store.campaigns.campaign_repository import campaign_row
-from drivora_service.store.campaigns.campaign_tables import EvaluationRow, FailureRow
+from drivora_service.store.campaigns.campaign_tables import CampaignRow, EvaluationRow, FailureRow
 from drivora_service.store.campaigns.evaluation_repository import evaluation_row, failure_of
 from drivora_service.store.campaigns.evaluation_runs import EvaluationId, run_of_evaluation
 from drivora_service.store.campaigns.kind_counters import failure_kinds
+from drivora_service.store.campaigns.missing_results import MissingResult, missing_results
 from drivora_service.store.engine.chunks import batched
 from drivora_service.store.engine.merging import Branch, first_numbers
 from drivora_service.store.engine.paging import make_token, read_token
@@ -163,6 +164,15 @@ class CampaignViewRepository:
         """
         campaign = campaign_row(self._session, campaign_id)
         return failure_kinds(self._session, campaign.seq)
+
+    def missing_results(
+        self, *, campaign_id: str = "", study_id: str = ""
+    ) -> tuple[MissingResult, ...]:
+        """Returns why runs of a campaign, or of a study, have no result; most frequent first."""
+        chosen = (
+            CampaignRow.id == campaign_id if campaign_id else CampaignRow.study_id == study_id
+        )
+        return missing_results(self._session, chosen)
 
     def seeds(self, campaign_id: str) -> tuple[SeedFindings, ...]:
         """Returns the findings by seed scenario, in their order; none if there is only one.

@@ -19,6 +19,7 @@ from drivora_service.store.campaigns.campaign_records import (
     Failure,
     SeedFindings,
 )
+from drivora_service.store.campaigns.missing_results import MissingResult
 from drivora_service.store.database import Database
 from drivora_service.studies.campaign_figures import CampaignFigures, Subject, figures_of
 from drivora_service.studies.comparison.campaign_comparison import (
@@ -76,6 +77,7 @@ class CampaignReport:
         figures: ``None`` if its gene space is no longer known; ``note`` says why.
         groups: Groups of failures, in the order in which they were found.
         seeds: Findings by seed scenario; empty if there is only one.
+        missing: Why runs have no result, the most frequent reason first.
         privileged: Egos with full observations, not limited by the perception model.
     """
 
@@ -86,6 +88,7 @@ class CampaignReport:
     note: str
     privileged: tuple[str, ...] = ()
     seeds: tuple[SeedFindings, ...] = ()
+    missing: tuple[MissingResult, ...] = ()
 
 
 def read_report(database: Database, campaign_id: str, catalogues: Catalogues) -> CampaignReport:
@@ -98,6 +101,7 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
         record = transaction.campaigns.get(campaign_id)
         failures = transaction.evaluations.failures(campaign_id)
         seeds = transaction.campaign_views.seeds(campaign_id)
+        missing = transaction.campaign_views.missing_results(campaign_id=campaign_id)
     document = CampaignDocument.model_validate(record.document)
     groups = group(failures)
     figures, note = None, ""
@@ -118,6 +122,7 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
         note=note,
         privileged=tuple(sorted(privileged)),
         seeds=seeds,
+        missing=missing,
     )
 
 

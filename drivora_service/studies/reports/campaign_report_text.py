@@ -10,6 +10,7 @@ from drivora_service.markdown_text import table
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountability
 from drivora_service.short_values import short_value
 from drivora_service.store.campaigns.campaign_records import Confirmation
+from drivora_service.store.campaigns.missing_results import missing_words
 from drivora_service.studies.campaign_figures import CampaignFigures
 from drivora_service.studies.reports.campaign_report import CampaignReport, FailureGroup
 
@@ -118,7 +119,7 @@ def _outcome(report: CampaignReport) -> list[tuple[str, str]]:
     candidates = max(counts.evaluations, 1)
     rows = [
         ("simulations", f"{counts.simulations} of {report.record.budget}"),
-        ("runs without a result", str(counts.failed)),
+        ("runs without a result", _missing(report)),
         ("of these by failures of the ADS itself", _count(counts.agent_failed)),
         (
             "invalid candidates",
@@ -141,6 +142,12 @@ def _seed_runs(report: CampaignReport) -> str:
     runs = report.record.seed_runs
     failing = sum(bool(run.failures) or run.ads_failed for run in runs)
     return f"{failing} of {len(runs)} fail"
+
+
+def _missing(report: CampaignReport) -> str:
+    """Returns the number of runs without a result, with the most frequent reason."""
+    _, _, reason = missing_words(report.record.counts.failed, report.missing).partition(": ")
+    return str(report.record.counts.failed) + (f": {reason}" if reason else "")
 
 
 def _make_figure_rows(figures: CampaignFigures) -> list[tuple[str, str]]:
