@@ -26,7 +26,6 @@ from drivora_service.foreign_errors import describe_exception
 
 _log = logging.getLogger(__name__)
 
-
 _PACKAGE = re.compile(r"of the package '([^']+)'")
 
 

@@ -96,11 +96,15 @@ def run(
         from drivora_service.cli.runs import run_output
         from drivora_service.cli.runs.file_running import RUN_BATCH, run_files, write_report
         from drivora_service.cli.scenarios.file_problems import all_problems
-        from drivora_service.cli.scenarios.scenario_files import read_files
+        from drivora_service.cli.scenarios.scenario_files import folder_sentence, read_files
         from drivora_service.runs.run_report import RunStatus
 
         _check_parameters(agent_parameter or ())
         files, unreadable = read_files(scenarios, agent=agent)
+        if not files and unreadable and all(file.other for file in unreadable):
+            raise ConfigurationError("\n".join(file.other for file in unreadable))
+        if any(path.is_dir() for path in scenarios):
+            note(folder_sentence(files))
         done = [
             run_output.ScenarioResult(scenario=str(file.path), problems=all_problems(file, client))
             for file in unreadable

@@ -28,6 +28,8 @@ def all_problems(file: UnreadableFile, client: Client) -> tuple[Problem, ...]:
         file: The file.
         client: Client of the application or service that checks it.
     """
+    if file.other:
+        return file.problems
     try:
         data = file.path.read_bytes()
         match detect_format(data):

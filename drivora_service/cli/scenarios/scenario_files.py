@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from drivora_service.cli.scenarios.other_files import NO_SCENARIO, describe_other_file
+from drivora_service.cli.terminal.output import note
 from drivora_service.errors import ConfigurationError, InvalidDocument, Problem
 from drivora_service.known_names import similar_names
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.scenario.importers.reading import read_scenarios
 
 SUFFIXES = frozenset({".json", ".yaml", ".yml", ".xml"})
-
+_MOST_FOLDERS = 5
+"""Folders that are listed by name."""
 
 _RESULTS = {
     "campaign.json": {"tester", "budget", "failures"},
@@ -46,6 +50,12 @@ class UnreadableFile:
     path: Path
     problems: tuple[Problem, ...]
 
+    @property
+    def other(self) -> str:
+        """What it is, with its path and the command that reads it; "" if that is not known."""
+        first = self.problems[0]
+        return f"{self.path} {first.message}" if first.code == NO_SCENARIO else ""
+
 
 def find_files(paths: Sequence[Path]) -> tuple[Path, ...]:
     """Returns the files themselves, and those inside folders, in order of name.
@@ -54,10 +64,14 @@ def find_files(paths: Sequence[Path]) -> tuple[Path, ...]:
         ConfigurationError: Paths do not exist, of which all are named, or a folder holds no
             scenario file.
     """
-    found: list[Path] = []
     missing = [path for path in paths if not path.exists()]
     if missing:
         raise ConfigurationError("\n".join(map(describe_missing, missing)))
+    return tuple(file for file, _ in _find_files(paths))
+
+
+def _find_files(paths: Sequence[Path]) -> Iterator[tuple[Path, Path | None]]:
+    """Yields the files, each with the folder of ``paths`` that it was found in, if any."""
     for path in paths:
         if path.is_dir():
             files = sorted(p for p in path.rglob("*") if p.suffix.lower() in SUFFIXES)
@@ -70,10 +84,9 @@ def find_files(paths: Sequence[Path]) -> tuple[Path, ...]:
                 raise ConfigurationError(
                     f"{path} holds no scenario file ({', '.join(sorted(SUFFIXES))})"
                 )
-            found += inside
+            yield from ((file, path) for file in inside)
         else:
-            found.append(path)
-    return tuple(found)
+            yield path, None
 
 
 def describe_missing(path: Path) -> str:
@@ -101,12 +114,13 @@ def read_files(
     """Reads every scenario of files of any known format.
 
     Args:
-        paths: Files and folders.
+        paths: Files and folders. Files of campaigns, suites and the like in a folder are left out,
+            each with a note on standard error.
         agent: Drives egos of formats that name no agent of the catalogue.
 
     Raises:
-        ConfigurationError: A path cannot be used at all. If some do not exist, the problems of the
-            others are named, too.
+        ConfigurationError: A path cannot be used at all, or there is no scenario. If some paths do
+            not exist, the problems of the others are named, too.
     """
     missing = [path for path in paths if not path.exists()]
     if missing:
@@ -122,14 +136,19 @@ def read_files(
     scenarios: list[ScenarioFile] = []
     unreadable: list[UnreadableFile] = []
     taken: set[str] = set()
-    for path in find_files(paths):
+    for path, folder in _find_files(paths):
         try:
             result = describe_results_file(path)
             if result:
-                raise InvalidDocument((Problem(pointer="", code="no_scenario", message=result),))
+                raise _no_scenario(result)
             imported = read_scenarios(path.read_bytes(), name=path.stem, agent=agent or "idm")
         except InvalidDocument as error:
-            unreadable.append(UnreadableFile(path=path, problems=error.problems))
+            other = describe_other_file(path)
+            if other and folder is not None:
+                note(f"skipped: {path} {other}")
+                continue
+            problems = _no_scenario(other).problems if other else error.problems
+            unreadable.append(UnreadableFile(path=path, problems=problems))
             continue
         except OSError as error:
             raise ConfigurationError(describe_unreadable(path, error)) from error
@@ -138,13 +157,30 @@ def read_files(
             scenarios.append(
                 ScenarioFile(name=name, path=path, document=scenario.document, notes=scenario.notes)
             )
+    if paths and not scenarios and not unreadable:
+        raise ConfigurationError(f"no scenario in {', '.join(map(str, paths))}")
     return tuple(scenarios), tuple(unreadable)
+
+
+def folder_sentence(files: Sequence[ScenarioFile]) -> str:
+    """Returns how many scenarios there are in which folders."""
+    counts = Counter(str(file.path.parent) for file in files)
+    listed = [f"{number} in {folder}" for folder, number in counts.items()]
+    shown = ", ".join(listed[:_MOST_FOLDERS])
+    more = len(listed) - _MOST_FOLDERS
+    few = "1 scenario" if len(files) == 1 else f"{len(files)} scenarios"
+    folders = "1 folder" if len(counts) == 1 else f"{len(counts)} folders"
+    return f"{few} in {folders}: {shown}" + (f" and {more} more folders" if more > 0 else "")
+
+
+def _no_scenario(message: str) -> InvalidDocument:
+    return InvalidDocument((Problem(pointer="", code=NO_SCENARIO, message=message),))
 
 
 def describe_results_file(path: Path) -> str:
     """Says what a file of results is, which commands write beside scenarios; "" of any other."""
     if path.name.endswith(".report.json"):
-        return "found the report of a run; run the scenario that it is about"
+        return "is the report of a run; run the scenario that it is about"
     keys = _RESULTS.get(path.name)
     if keys is None or not path.is_file():
         return ""
@@ -154,7 +190,7 @@ def describe_results_file(path: Path) -> str:
         return ""
     if not isinstance(content, dict) or not keys <= content.keys():
         return ""
-    return "found the results of a command of Drivora; run the scenarios beside it"
+    return "holds the results of a command of Drivora; run the scenarios beside it"
 
 
 def unique_name(name: str, taken: set[str]) -> str:

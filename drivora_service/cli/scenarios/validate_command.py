@@ -11,6 +11,7 @@ import typer
 
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
+from drivora_service.cli.scenarios.other_files import NO_SCENARIO
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
 from drivora_service.cli.terminal.output import JsonOption, fail, print_json
 from drivora_service.errors import InvalidDocument, Problem
@@ -80,6 +81,10 @@ def _result(
 def _print(results: Sequence[dict[str, Any]]) -> None:
     for result in results:
         where = result["file"]
+        problems = result["problems"]
+        if problems and problems[0]["code"] == NO_SCENARIO:
+            fail(f"{where} {problems[0]['message']}")
+            continue
         if result["scenario"] and result["scenario"] != Path(where).stem:
             where += f" ({result['scenario']})"
         if result["valid"]:

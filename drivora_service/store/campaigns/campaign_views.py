@@ -169,9 +169,7 @@ class CampaignViewRepository:
         self, *, campaign_id: str = "", study_id: str = ""
     ) -> tuple[MissingResult, ...]:
         """Returns why runs of a campaign, or of a study, have no result; most frequent first."""
-        chosen = (
-            CampaignRow.id == campaign_id if campaign_id else CampaignRow.study_id == study_id
-        )
+        chosen = CampaignRow.id == campaign_id if campaign_id else CampaignRow.study_id == study_id
         return missing_results(self._session, chosen)
 
     def seeds(self, campaign_id: str) -> tuple[SeedFindings, ...]:

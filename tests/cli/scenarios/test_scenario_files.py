@@ -26,7 +26,7 @@ def test_a_file_of_results_that_is_named_is_called_what_it_is(tmp_path: Path) ->
     path.write_text(json.dumps(CAMPAIGN))
     scenarios, (unreadable,) = read_files([path], agent="")
     assert not scenarios
-    assert "the results of a command" in unreadable.problems[0].message
+    assert "holds the results of a command" in unreadable.problems[0].message
 
 
 def test_a_scenario_may_have_any_name(tmp_path: Path) -> None:
