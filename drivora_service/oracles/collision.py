@@ -15,6 +15,7 @@ from drivora_service.oracles.responsibility.impact import Impact, find_impact
 from drivora_service.oracles.responsibility.responsibility_judging import find_responsible
 from drivora_service.oracles.verdict import Outcome, Verdict, not_started, passed, violated
 from drivora_service.oracles.verdicts.artefact_verdicts import ARTEFACT
+from drivora_service.oracles.verdicts.failure_facts import explain_collision
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -121,12 +122,12 @@ class Collision:
         manoeuvre = None if own is None else own - ego.first
         replayed = assess(ego, k, other.row, manoeuvre=manoeuvre)
         chain = replayed.evidence.get("chain")
-        led_to = f" {chain[0].upper()}{chain[1:]}." if chain else ""
         return violated(
             self.name,
             ego,
             k,
-            f"Collided with {other.id} at {impact.relative_speed:.1f} m/s: {found.reason}.{led_to}",
+            f"Collided with {other.id} at {impact.relative_speed:.1f} m/s: "
+            f"{explain_collision(found.reason, chain)}.",
             at_fault=found.at_fault,
             undetermined=found.fault is Fault.UNKNOWN,
             avoidable=replayed.avoidable,

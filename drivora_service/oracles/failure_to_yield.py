@@ -111,7 +111,7 @@ class FailureToYield:
     def _make_violation(self, ego: EgoView, conflict: Conflict) -> Verdict:
         other_id = ego.trace.actors[conflict.other].id
         if conflict.lag < self.encroachment:
-            how = f"reached its place {conflict.lag:.1f} s later"
+            how = f"reached the conflict point {conflict.lag:.1f} s after the ego had left it"
         else:
             how = f"had to brake at {conflict.braking:.1f} m/s²"
         return violated(

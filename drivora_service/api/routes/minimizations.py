@@ -68,11 +68,11 @@ def minimize_run(
     def prepare() -> Work:
         # Refused before workers get ready.
         with context.database.read() as transaction:
-            _new(transaction, run_id, wanted, owner_id="")
+            _new(context, transaction, run_id, wanted, owner_id="")
         owner_id = context.reserve(_ENOUGH)
 
         def commit(transaction: Transaction) -> Answer:
-            new = _new(transaction, run_id, wanted, owner_id=owner_id)
+            new = _new(context, transaction, run_id, wanted, owner_id=owner_id)
             minimization_id = transaction.minimizations.open(new)
             headers = {
                 "Location": f"{PREFIX}/minimizations/{minimization_id}",
@@ -145,7 +145,12 @@ def _cancel(context: ApiContext, minimization_id: str) -> Minimization:
 
 
 def _new(
-    transaction: Transaction, run_id: str, wanted: MinimizationRequest, *, owner_id: str
+    context: ApiContext,
+    transaction: Transaction,
+    run_id: str,
+    wanted: MinimizationRequest,
+    *,
+    owner_id: str,
 ) -> NewMinimization:
     run = find_run(transaction, run_id)
     return new_minimization(
@@ -157,6 +162,8 @@ def _new(
         radius_m=wanted.radius_m,
         budget=wanted.budget,
         owner_id=owner_id,
+        oracles=context.oracles.names(),
+        known_agents=context.agents.availability(),
     )
 
 

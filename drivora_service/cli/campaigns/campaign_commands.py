@@ -192,9 +192,12 @@ def resume(
         from drivora_service.cli.campaigns.campaign_gates import gate_of_document
 
         campaign_id = id_of(client, campaign, IdKind.CAMPAIGN)
-        document = client.campaign(campaign_id).document
-        chosen = gate_of_document(client, document, gate_oracle or (), is_wanted=gate)
-        resumed = client.resume_campaign(campaign_id)
+        resumed = client.campaign(campaign_id)
+        chosen = gate_of_document(client, resumed.document, gate_oracle or (), is_wanted=gate)
+        if out is None or not resumed.state.is_over:
+            resumed = client.resume_campaign(campaign_id)
+        else:
+            note(f"campaign {campaign_id} is {resumed.state}; its folder is written again")
         _finish(
             client,
             resumed,
@@ -236,21 +239,33 @@ def show(
         int | None,
         typer.Option(min=0, metavar="N", help="Show this evaluation and its ancestors."),
     ] = None,
+    out: OutOption = None,
     server: ServerOption = "",
     data_dir: DataDirOption = None,
     form: Form = TABLE,
 ) -> None:
-    """Shows a campaign and the failures that it has found, or one of its evaluations."""
+    """Shows a campaign and the failures that it has found, or one of its evaluations.
+
+    With --out, the folder is written as `campaign run --out` does, whatever the campaign's state.
+    """
+    if out is not None and evaluation is not None:
+        raise typer.BadParameter("is for a campaign, not for --evaluation", param_hint="--out")
+    check_folder(out)
     with open_client(server, data_dir) as client:
         campaign_id = id_of(client, campaign, IdKind.CAMPAIGN)
         if evaluation is None:
-            _show(client, client.campaign(campaign_id), form)
+            from drivora_service.cli.campaigns.campaign_running import export_campaign
+
+            shown = client.campaign(campaign_id)
+            if out is not None:
+                export_campaign(client, shown, out)
+            _show(client, shown, form, where=location(server, data_dir))
             return
         found = client.evaluation(campaign_id, evaluation)
     from drivora_service.cli.campaigns.campaign_output import print_evaluation
 
     if form.is_table:
-        print_evaluation(found)
+        print_evaluation(found, where=location(server, data_dir))
     else:
         form.print_shape(type(found), found, id_field="number")
 
@@ -338,7 +353,7 @@ def _finish(
 
     if detach:
         if not form.is_table:
-            _show(client, campaign, form)
+            _show(client, campaign, form, where="")
         return
     where = f"{campaign.id} {location(server, data_dir)}".rstrip()
     is_interrupted = False
@@ -358,7 +373,7 @@ def _finish(
         raise
     if out is not None:
         export_campaign(client, campaign, out)
-    _show(client, campaign, form)
+    _show(client, campaign, form, where=location(server, data_dir))
     hint = ending_hint(campaign, where, out)
     if is_interrupted and campaign.state is CampaignState.PAUSED:
         done = campaign.counts.evaluations
@@ -378,11 +393,11 @@ def _finish(
         print_answer(judge_campaign(client, campaign, gate))
 
 
-def _show(client: Client, campaign: Campaign, form: Form) -> None:
+def _show(client: Client, campaign: Campaign, form: Form, *, where: str) -> None:
     from drivora_service.cli.campaigns.campaign_output import campaign_content, print_campaign
 
     if form.is_table:
-        print_campaign(campaign)
+        print_campaign(campaign, where=where)
     else:
         form.print_content(campaign_content(campaign, tuple(client.failures(campaign.id))))
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,6 +15,9 @@ from drivora_service.cli.terminal.options import DataDirOption, ServerOption, pa
 from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
 from drivora_service.cli.terminal.output import JsonOption, note, print_json
 from drivora_service.store.id_records import IdKind
+
+if TYPE_CHECKING:
+    from drivora_service.suites.suite_exporting import FoundScenario
 
 
 class Each(StrEnum):
@@ -58,12 +62,17 @@ def export(
     check_folder(suite)
     with open_client(server, data_dir) as client:
         from drivora_service.cli.campaigns.campaign_scenarios import find_failure_scenarios
+        from drivora_service.cli.suites.suite_files import describe_missing_oracles
         from drivora_service.suites.suite_exporting import export_scenarios
 
         ids = ids_of(client, campaigns, IdKind.CAMPAIGN)
+        known = {oracle.name for oracle in client.oracles().items}
+        counted_by: dict[str, None] = {}
         found = find_failure_scenarios(client, ids, each=each, counted=counted, most=most)
         with convert_write_errors(suite):
-            done = export_scenarios(suite, found, name=suite.resolve().name)
+            done = export_scenarios(suite, _watch(found, counted_by), name=suite.resolve().name)
+    for remark in describe_missing_oracles(name for name in counted_by if name not in known):
+        note(remark)
     if done.kept:
         note(
             f"note: {len(done.kept)} of the scenarios that were there already count other failures "
@@ -86,3 +95,10 @@ def export(
     if done.is_new:
         note(f"{done.suite_file} is new")
     note(f"{len(done.added)} scenarios added to {suite}, {done.known} were there already")
+
+
+def _watch(found: Iterable[FoundScenario], counted_by: dict[str, None]) -> Iterator[FoundScenario]:
+    """Yields scenarios, and adds the oracles that count in them to a dictionary."""
+    for one in found:
+        counted_by.update(dict.fromkeys(one.definition.oracles or ()))
+        yield one

@@ -7,9 +7,11 @@ from typing import Any
 
 from drivora_service.api.schemas.campaigns import Campaign, Evaluation, Failure
 from drivora_service.cli.campaigns.campaign_warning_text import print_warning
+from drivora_service.cli.runs.run_output import follow_up
 from drivora_service.cli.terminal.output import number, print_table
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountability
 from drivora_service.oracles.verdicts.failure_definition import StatedDefinition
+from drivora_service.oracles.verdicts.failure_facts import full_message
 from drivora_service.shapes import adapter
 from drivora_service.store.campaigns.campaign_records import (
     CampaignCounts,
@@ -49,8 +51,13 @@ def print_campaigns(campaigns: Sequence[Campaign]) -> None:
     )
 
 
-def print_campaign(campaign: Campaign) -> None:
-    """Prints one campaign at length."""
+def print_campaign(campaign: Campaign, *, where: str = "") -> None:
+    """Prints one campaign at length.
+
+    Args:
+        campaign: The campaign.
+        where: Options with which other commands find it.
+    """
     counts = campaign.counts
     print(f"Campaign {campaign.id} ({campaign.name}): {campaign.state}")
     if campaign.message:
@@ -98,6 +105,9 @@ def print_campaign(campaign: Campaign) -> None:
                 for kind in campaign.kinds
             ),
         )
+        first = min(kind.first for kind in campaign.kinds)
+        commands = follow_up(f"{campaign.id}-{first}", where)
+        print(f"The run of evaluation #N is {campaign.id}-N: {commands}")
 
 
 def _print_seeds(campaign: Campaign) -> None:
@@ -150,8 +160,13 @@ def _accountable(counts: CampaignCounts) -> str:
     return "; ".join(parts)
 
 
-def print_evaluation(evaluation: Evaluation) -> None:
-    """Prints an evaluation and the nearest of its ancestors."""
+def print_evaluation(evaluation: Evaluation, *, where: str = "") -> None:
+    """Prints an evaluation and the nearest of its ancestors.
+
+    Args:
+        evaluation: The evaluation.
+        where: Options with which other commands find it.
+    """
     print(f"Evaluation {evaluation.number}: {evaluation.status}")
     for ego in evaluation.privileged:
         print(f"  {ego} sees everything, not only what the perception model lets through")
@@ -160,7 +175,12 @@ def print_evaluation(evaluation: Evaluation) -> None:
     for verdict in evaluation.failures:
         words = IN_WORDS[accountability(verdict)]
         fault = f", {words}" if words else ""
-        print(f"  {verdict.oracle} at {number(verdict.time)} s{fault}: {verdict.message}")
+        ego = f" of {verdict.ego}" if len(evaluation.agents) > 1 else ""
+        print(
+            f"  {verdict.oracle}{ego} at {number(verdict.time)} s{fault}: {full_message(verdict)}"
+        )
+    if evaluation.failures:
+        print(f"  Run {evaluation.run_id}: {follow_up(evaluation.run_id, where)}")
     if evaluation.objectives:
         objectives = evaluation.objectives.items()
         print("  " + ", ".join(f"{name} {number(value, 3)}" for name, value in objectives))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from drivora_service.cli.runs.run_output import follow_up
 from drivora_service.cli.terminal.output import print_table
 from drivora_service.store.failures.group_records import ChangedPart, GroupChange, SinceBaseline
 
@@ -18,17 +19,35 @@ if TYPE_CHECKING:
     from drivora_service.store.failures.found_counting import FoundCounts
 
 
-def print_failures(failures: Sequence[FoundFailure]) -> None:
-    """Prints a row a failure."""
+def print_failures(failures: Sequence[FoundFailure], *, where: str = "") -> None:
+    """Prints a row a failure below the id of its run, with the ego if there are several."""
+    has_egos = len({one.verdict.ego for one in failures}) > 1
     print_table(
         "",
-        ("failure", "group", "found at", "agent", "what happened"),
+        (
+            "failure",
+            "group",
+            "found at",
+            *(("ego",) if has_egos else ()),
+            "agent",
+            "what happened",
+        ),
         [
-            (str(one.id), one.group_id, _moment(one.found_at), one.configuration, one.sentence)
+            (
+                str(one.id),
+                one.group_id,
+                _moment(one.found_at),
+                *((one.verdict.ego,) if has_egos else ()),
+                one.configuration,
+                one.sentence,
+            )
             for one in failures
         ],
         wrap=("agent", "what happened"),
+        headings=[f"run {one.run_id}" for one in failures],
     )
+    if failures:
+        typer.echo(f"The first of these runs: {follow_up(failures[0].run_id, where)}")
 
 
 def print_counts(counts: FoundCounts) -> None:

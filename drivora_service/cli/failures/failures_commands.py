@@ -24,6 +24,7 @@ from drivora_service.cli.terminal.options import (
     CountsOption,
     DataDirOption,
     ServerOption,
+    location,
     parse_choice,
 )
 from drivora_service.cli.terminal.output import fail
@@ -100,7 +101,7 @@ def list_failures(
         from drivora_service.cli.failures.failure_output import print_counts, print_failures
 
         print_counts(found)
-        print_failures(failures)
+        print_failures(failures, where=location(server, data_dir))
 
 
 @app.command()

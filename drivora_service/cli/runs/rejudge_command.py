@@ -39,16 +39,17 @@ def rejudge(
 
     Earlier verdicts are those of the stored run, or of the report beside a trace
     (NAME.report.json). A trace that has not the stored hash is damaged, and is not judged. Exits
-    with 1 if a verdict changed, and with 3 if a trace is damaged or could not be judged.
+    with 1 if a verdict changed, and with 3 if a trace is damaged or could not be judged, also by
+    an oracle that is not installed any more.
     """
     done = list(_rejudge(traces, server, data_dir))
     if as_json:
         _print_content(done)
     else:
         _print_rows(done)
-    if any(one.error for one in done):
+    if any(one.error or one.not_installed for one in done):
         raise typer.Exit(ExitCode.NOT_DONE)
-    if any(one.changes for one in done):
+    if any(one.is_changed for one in done):
         raise typer.Exit(ExitCode.GATE_FAILED)
 
 
@@ -124,6 +125,8 @@ def _print_content(done: Sequence[Rejudged]) -> None:
 
 
 def _print_rows(done: Sequence[Rejudged]) -> None:
+    from drivora_service.oracles.verdicts.verdict_changes import NOT_INSTALLED
+
     rows = [
         (one.name, change.oracle, change.ego, change.before, change.after)
         for one in done
@@ -132,15 +135,19 @@ def _print_rows(done: Sequence[Rejudged]) -> None:
     if rows:
         columns = ("run", "oracle", "ego", "before", "after")
         print_table("", columns, rows, wrap=("before", "after"))
-        counts = Counter(oracle for _, oracle, *_ in rows)
-        by_oracle = ((oracle, str(count)) for oracle, count in counts.most_common())
-        print_table("Changed verdicts by oracle", ("oracle", "changed"), by_oracle)
+        counts = Counter(oracle for _, oracle, _, _, after in rows if after != NOT_INSTALLED)
+        by_oracle = [(oracle, str(count)) for oracle, count in counts.most_common()]
+        if by_oracle:
+            print_table("Changed verdicts by oracle", ("oracle", "changed"), by_oracle)
     for one in done:
         if one.error or one.note:
             print(f"{one.trace}: {one.error or one.note}")
     compared = sum(one.compared for one in done)
-    changed = sum(bool(one.changes) for one in done)
+    changed = sum(one.is_changed for one in done)
     damaged = sum(one.is_damaged for one in done)
     print(f"Traces: {len(done)}; compared: {compared}; changed: {changed}; damaged: {damaged}")
+    missing = Counter(oracle for one in done for oracle in one.not_installed)
+    for oracle, count in sorted(missing.items()):
+        print(f"Oracle {oracle} is not installed; traces that it judged before: {count}")
     if others := sum(one.by_other_oracles for one in done):
         print(f"Judged before by another version of the oracles: {others}")

@@ -18,7 +18,11 @@ from drivora_service.oracles.built_in import judge_all
 from drivora_service.oracles.catalogue import OracleCatalogue
 from drivora_service.oracles.oracles_version import judged_by_current
 from drivora_service.oracles.verdict import Verdict
-from drivora_service.oracles.verdicts.verdict_changes import VerdictChange, verdict_changes
+from drivora_service.oracles.verdicts.verdict_changes import (
+    NOT_INSTALLED,
+    VerdictChange,
+    verdict_changes,
+)
 from drivora_service.oracles.verdicts.verdict_json import verdict_content
 
 TRACE = ".trace.parquet"
@@ -53,6 +57,16 @@ class Rejudged:
     compared: bool = False
     verdicts: tuple[Verdict, ...] = ()
     changes: tuple[VerdictChange, ...] = ()
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether an oracle that is installed judges otherwise than before."""
+        return any(one.after != NOT_INSTALLED for one in self.changes)
+
+    @property
+    def not_installed(self) -> frozenset[str]:
+        """The oracles of the earlier verdicts that are not installed."""
+        return frozenset(one.oracle for one in self.changes if one.after == NOT_INSTALLED)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,7 +140,10 @@ class Rejudge:
             return replace(named, verdicts=verdicts, note=note)
         after = [verdict_content(verdict) for verdict in verdicts]
         return replace(
-            named, compared=True, verdicts=verdicts, changes=verdict_changes(before, after)
+            named,
+            compared=True,
+            verdicts=verdicts,
+            changes=verdict_changes(before, after, installed=self._oracles.names()),
         )
 
     def _verdicts_of(self, trace: Trace) -> tuple[Verdict, ...]:

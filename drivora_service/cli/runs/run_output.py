@@ -14,7 +14,7 @@ from drivora_service.oracles.oracle_descriptions import SHARE
 from drivora_service.oracles.verdict import Outcome, Severity, Verdict
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, Accountability, accountability
 from drivora_service.oracles.verdicts.artefact_verdicts import find_artefact_verdicts
-from drivora_service.oracles.verdicts.failure_facts import followed_oracle
+from drivora_service.oracles.verdicts.failure_facts import followed_oracle, full_message
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.shapes import adapter
 from drivora_service.short_values import short_value
@@ -161,6 +161,16 @@ def print_result(result: ScenarioResult, *, where: str = "") -> None:
         print(f"Draw it: drivora plot {run.id} {where}".rstrip())
 
 
+def follow_up(run_id: str, where: str) -> str:
+    """Returns the commands that go on with a run that failed.
+
+    Args:
+        run_id: Id of the run, or campaign and evaluation.
+        where: Options with which other commands find it.
+    """
+    return f"drivora plot {run_id} {where}".rstrip() + " (or: runs show, replay, minimize)"
+
+
 def _print_failures(run: Run) -> None:
     """Prints which verdicts of a run are failures, and by which definition."""
     if run.failures is None:
@@ -236,7 +246,8 @@ def _outcome(verdict: Verdict) -> str:
 
 def _message(verdict: Verdict) -> str:
     follows = followed_oracle(verdict) if verdict.outcome is Outcome.VIOLATED else ""
-    return f"{verdict.message} (follows from {follows})" if follows else verdict.message
+    message = full_message(verdict)
+    return f"{message} (follows from {follows})" if follows else message
 
 
 def _fault(verdict: Verdict) -> str:

@@ -14,7 +14,6 @@ from drivora_service.observations.trace import Trace
 from drivora_service.observations.trace_files.checked_trace import read_checked_trace
 from drivora_service.observations.trace_files.stored_trace import StoredTrace
 from drivora_service.oracles.oracles_version import judged_by_current
-from drivora_service.oracles.verdicts.verdict_changes import NOT_JUDGED
 from drivora_service.oracles.verdicts.verdict_json import verdict_content
 from drivora_service.plugin_table import describe_missing_packages
 from drivora_service.runs.run_report import RunStatus
@@ -119,7 +118,7 @@ def _rejudge_run(client: Client, wanted: StoredRun, judge: Rejudge, scratch: Pat
     named = replace(named, by_other_oracles=by_others)
     before = [verdict_content(one) for one in run.verdicts] if is_finished else None
     judged = judge.judge(named, read, before, note="judged; the stored run has no verdicts")
-    if any(change.after == NOT_JUDGED for change in judged.changes):
+    if judged.not_installed:
         missing = describe_missing_packages(run.versions, "it")
         return replace(judged, note=missing)
     return judged

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -340,12 +341,21 @@ def list_scenarios(
 ) -> None:
     """Lists the scenarios of a suite with their tags and their difficulty; nothing is run."""
     from drivora_service.cli.scenarios.file_problems import read_or_exit
-    from drivora_service.cli.suites.suite_files import names_of_installation, read_suite_path
+    from drivora_service.cli.suites.suite_files import (
+        NotedNames,
+        describe_missing_oracles,
+        names_of_installation,
+        read_suite_path,
+    )
     from drivora_service.cli.suites.suite_reports import print_scenarios
     from drivora_service.suites.scenario_selection import choose
 
-    names = names_of_installation()
+    known = names_of_installation()
+    oracles = NotedNames(known.oracles)
+    names = replace(known, oracles=oracles)
     read = read_or_exit(suite, lambda: read_suite_path(suite, names))
+    for remark in describe_missing_oracles(oracles.missing):
+        note(remark)
     chosen = choose(read.scenarios, expression=select, tags=tag or ())
     if not form.is_table:
         form.print_content(

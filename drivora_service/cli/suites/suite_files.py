@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -38,6 +38,39 @@ def with_names_of(results: SuiteResults, known: KnownNames) -> KnownNames:
         oracles=tuple(dict.fromkeys((*known.oracles, *sorted(results.judged_by)))),
         metrics=tuple(dict.fromkeys((*known.metrics, *sorted(results.measured)))),
     )
+
+
+class NotedNames(Collection[str]):
+    """Names that accept any other name, and remember those that they do not have.
+
+    Attributes:
+        missing: The other names, each once.
+    """
+
+    def __init__(self, known: Collection[str]) -> None:
+        """Takes the names that there are."""
+        self._known = known
+        self.missing: dict[str, None] = {}
+
+    def __contains__(self, name: object) -> bool:
+        """Returns true; remembers a name that is not among the known ones."""
+        if name not in self._known:
+            self.missing[str(name)] = None
+        return True
+
+    def __iter__(self) -> Iterator[str]:
+        """Yields the known names."""
+        return iter(self._known)
+
+    def __len__(self) -> int:
+        """Returns the number of the known names."""
+        return len(self._known)
+
+
+def describe_missing_oracles(names: Iterable[str]) -> Iterator[str]:
+    """Yields a note for each oracle of a suite that is not installed."""
+    for name in names:
+        yield f"note: oracle {name!r} is not installed; without its package the suite cannot be run"
 
 
 def names_of_installation(data_dir: Path | None = None) -> KnownNames:

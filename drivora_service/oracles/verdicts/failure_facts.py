@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from drivora_service.oracles.verdict import Answer, Verdict
+from drivora_service.oracles.verdict import Answer, Outcome, Verdict
 from drivora_service.oracles.verdicts.accountability import Accountability, accountability
 
 _SEPARATOR = "|"
@@ -86,9 +86,7 @@ def failure_sentence(verdict: Verdict, *, town: str, kind: str = "") -> str:
     """
     where = _place(verdict, town, kind)
     account = _account(verdict)
-    assessed = verdict.evidence.get("avoidability")
-    chain = assessed.get("chain") if isinstance(assessed, Mapping) else None
-    parts = (f"{_what(verdict)}, {where}", chain, account)
+    parts = (f"{_what(verdict)}, {where}", _chain(verdict), account)
     return f"{'; '.join(part for part in parts if part)}."
 
 
@@ -97,11 +95,57 @@ def avoidable_until(verdict: Verdict) -> float | None:
 
     ``None`` if it was not avoidable, or that is not measurable or not known.
     """
-    assessed = verdict.evidence.get("avoidability")
-    before = assessed.get("latest_before") if isinstance(assessed, Mapping) else None
+    before = _assessed(verdict).get("latest_before")
     if verdict.avoidable is not Answer.YES or before is None or verdict.time is None:
         return None
     return verdict.time - float(before)
+
+
+def avoidability_words(verdict: Verdict) -> str:
+    """Returns until when a violation was avoidable, or that it was not; "" if this is not judged.
+
+    Words of a sentence: ``avoidable until 4.25 s``.
+    """
+    assessed = _assessed(verdict)
+    match verdict.avoidable:
+        case Answer.YES:
+            until = avoidable_until(verdict)
+            return "avoidable" if until is None else f"avoidable until {until:.2f} s"
+        case Answer.NO:
+            shown = assessed.get("risk_perceived_before")
+            why = "" if shown is None else f": the danger showed {float(shown):.1f} s before"
+            return f"not avoidable{why}"
+        case Answer.NOT_MEASURABLE:
+            why = assessed.get("not_measurable")
+            return "not measurable whether avoidable" + (f": {why}" if why else "")
+        case _:
+            return ""
+
+
+def full_message(verdict: Verdict) -> str:
+    """Returns the message of a verdict, and of a violation until when it was avoidable."""
+    words = avoidability_words(verdict) if verdict.outcome is Outcome.VIOLATED else ""
+    return f"{verdict.message} {words[0].upper()}{words[1:]}." if words else verdict.message
+
+
+def explain_collision(reason: str, chain: str | None) -> str:
+    """Returns why a collision came about: the reason, and then the chain of events that led to it.
+
+    The reason is left out where it is an event of the chain, which has its time.
+    """
+    if not chain:
+        return reason
+    return chain if reason in chain else f"{reason}. {chain[0].upper()}{chain[1:]}"
+
+
+def _assessed(verdict: Verdict) -> Mapping[str, Any]:
+    """Returns the evidence on the avoidability of a violation; empty if there is none."""
+    assessed = verdict.evidence.get("avoidability")
+    return assessed if isinstance(assessed, Mapping) else {}
+
+
+def _chain(verdict: Verdict) -> str:
+    return str(_assessed(verdict).get("chain") or "")
 
 
 def _what(verdict: Verdict) -> str:
@@ -111,6 +155,9 @@ def _what(verdict: Verdict) -> str:
     if verdict.oracle != "collision" or role is None or speed is None:
         return verdict.message.strip().rstrip(".") or f"Violated {verdict.oracle}"
     face, reason = evidence.get("face"), evidence.get("reason")
+    if reason and str(reason) in _chain(verdict):
+        # It follows, with its time.
+        reason = ""
     touched = f" ({face} of the ego)" if face else ""
     return (
         f"Collided with {_ROLES.get(str(role), str(role))} at {float(speed):.1f} m/s relative to it"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,9 @@ from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountabl
 from drivora_service.shapes import Shape
 
 NOT_JUDGED = "not judged"
-"""Instead of a verdict, where there is no such oracle."""
+"""Instead of a verdict, where the oracle gave none."""
+NOT_INSTALLED = "not installed"
+"""In place of a verdict of an oracle that is not there any more."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,7 +23,8 @@ class VerdictChange(Shape):
 
     Attributes:
         before: In words; ``not judged`` if there was no such oracle.
-        after: In words; ``not judged`` if there is no such oracle any more.
+        after: In words; ``not judged`` if the oracle gave no verdict, ``not installed`` if there is
+            no such oracle any more.
     """
 
     oracle: str
@@ -31,17 +34,25 @@ class VerdictChange(Shape):
 
 
 def verdict_changes(
-    before: Iterable[Mapping[str, Any]], after: Iterable[Mapping[str, Any]]
+    before: Iterable[Mapping[str, Any]],
+    after: Iterable[Mapping[str, Any]],
+    *,
+    installed: Collection[str] | None = None,
 ) -> tuple[VerdictChange, ...]:
     """Returns the changes from one list of verdicts to another.
 
     Args:
         before: Verdicts as the values of their JSON; keys that older versions lack may be missing.
         after: The others, likewise.
+        installed: Names of the oracles of the later judgement; ``None``: not known.
     """
+
+    def missing(oracle: str) -> str:
+        return NOT_JUDGED if installed is None or oracle in installed else NOT_INSTALLED
+
     old, new = _in_words(before), _in_words(after)
     pairs = [
-        (key, old.get(key, NOT_JUDGED), new.get(key, NOT_JUDGED))
+        (key, old.get(key, NOT_JUDGED), new.get(key) or missing(key[0]))
         for key in dict.fromkeys((*new, *old))
     ]
     return tuple(

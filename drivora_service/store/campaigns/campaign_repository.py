@@ -325,7 +325,10 @@ def _unknown(session: Session, wanted: str) -> UnknownName:
 
 def _refuse_if_over(row: CampaignRow) -> None:
     if CampaignState(row.state).is_over:
-        raise Conflict(f"campaign {row.id} is {row.state}; start a new one")
+        raise Conflict(
+            f"campaign {row.id} is {row.state}; start a new one. `drivora campaign show {row.id} "
+            "--out DIR` writes what it has found"
+        )
 
 
 def _summary(row: CampaignRow) -> CampaignSummary:

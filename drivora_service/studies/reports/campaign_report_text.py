@@ -8,6 +8,7 @@ from drivora_service.campaigns.document.campaign import FeedbackMode
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument
 from drivora_service.markdown_text import table
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountability
+from drivora_service.oracles.verdicts.failure_facts import full_message
 from drivora_service.short_values import short_value
 from drivora_service.store.campaigns.campaign_records import Confirmation
 from drivora_service.store.campaigns.missing_results import missing_words
@@ -246,7 +247,7 @@ def _group(
         f"### {heading}",
         "",
         f"Evaluation {number} ({failure.confirmation}): {verdict.ego}{when}{fault}. "
-        f"{verdict.message}",
+        f"{full_message(verdict)}",
         "",
         "```sh",
         f"drivora campaign scenario {campaign} {number} --out {file}{extra}",

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import structlog
 
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
-from drivora_service.errors import Conflict, DrivoraError, StoreError
+from drivora_service.errors import Conflict, DrivoraError, StoreError, UnknownName
 from drivora_service.execution.supervised import SupervisedThread
-from drivora_service.store.database import Database
+from drivora_service.store.campaigns.evaluation_runs import evaluation_of_run
+from drivora_service.store.database import Database, Transaction
 from drivora_service.store.locks.work_locks import HeldWork, LongWork
 from drivora_service.store.minimizations.minimization_records import (
     MinimizationProgress,
@@ -21,6 +22,7 @@ from drivora_service.store.minimizations.minimization_records import (
 from drivora_service.store.minimizations.minimization_repository import ActiveMinimization
 
 if TYPE_CHECKING:
+    from drivora_service.store.runs.run_records import RunRecord
     from drivora_service.suites.minimization.minimization_work import Work
 
 _IDLE_S = 1.0
@@ -165,8 +167,9 @@ class MinimizationRunner:
 
         agents = self._catalogues.agents
         checker = Checker(self._catalogues.networks, agents.availability())
-        work = Work(active, checker, agents, self._trace_path)
         with database.read() as transaction:
+            original = _read_original(transaction, active.run_id)
+            work = Work(active, checker, agents, self._trace_path, original=original)
             work.resume(
                 transaction.minimizations.reports(active.id),
                 transaction.minimizations.unfinished_runs(active.id),
@@ -197,3 +200,15 @@ class MinimizationRunner:
         elif wanted:
             work.waiting.update(run.run_id for run in wanted)
             self._on_queued()
+
+
+def _read_original(transaction: Transaction, run_id: str) -> RunRecord | None:
+    """Returns the run that is minimised; ``None`` if it was removed."""
+    try:
+        return transaction.jobs.detail(run_id)
+    except UnknownName:
+        evaluation = evaluation_of_run(run_id)
+    try:
+        return None if evaluation is None else transaction.campaign_views.run(evaluation)
+    except UnknownName:
+        return None

@@ -20,6 +20,7 @@ from drivora_service.store.minimizations.minimization_records import (
 )
 from drivora_service.store.minimizations.minimization_repository import ActiveMinimization
 from drivora_service.store.runs.run_records import LONGEST_LABEL, NewRun
+from drivora_service.suites.minimization.changed_software import Performed, changed_software
 from drivora_service.suites.minimization.edits import content_of
 from drivora_service.suites.minimization.later_starts import Recording, recording_of
 from drivora_service.suites.minimization.minimizer import (
@@ -68,6 +69,8 @@ class Work:
         checker: Checker,
         agents: AgentCatalogue,
         trace_path: Callable[[str], Path],
+        *,
+        original: Performed | None = None,
     ) -> None:
         """Creates the work, of which the reproduction of the failure is wanted first.
 
@@ -76,6 +79,7 @@ class Work:
             checker: Checks the proposals.
             agents: The agents, for the defaults of their parameters.
             trace_path: Returns the path of a run's trace, by the run's id.
+            original: The run that fails, with its versions; ``None``: it was removed.
 
         Raises:
             UnknownName: Its road network is not in the catalogue.
@@ -85,6 +89,8 @@ class Work:
         self.waiting: set[str] = set()
         self._run_id, self._identity = active.run_id, active.failure
         self._agents = agents
+        self._original = original
+        self._reproduction: RunReport | None = None
         self._trace_path = trace_path
         document = parse_document(active.document)
         self._network = checker.network_of(document)
@@ -128,6 +134,8 @@ class Work:
                 self._broken = f"run {report.run_id} could not be performed{why}"
             return
         self._simulation_s += report.wall_time_s
+        if report.run_id.endswith(Purpose.REPRODUCE):
+            self._reproduction = report
         found = self._identity.find_in(report.verdicts)
         self._results[report.run_id] = TrialResult(
             failure=None
@@ -161,12 +169,7 @@ class Work:
             case Phase.DONE:
                 return End(state=MinimizationState.FINISHED)
             case Phase.NOT_REPRODUCED:
-                message = (
-                    f"the scenario of run {self._run_id} does not fail in the same way when it is "
-                    f"run again: {self._identity.oracle} of {self._identity.ego} was expected. "
-                    "The failure is flaky, or the software has changed since"
-                )
-                return End(state=MinimizationState.FAILED, message=message)
+                return End(state=MinimizationState.FAILED, message=self._explain())
             case Phase.NOT_CONFIRMED:
                 message = (
                     "the smallest scenario did not fail in the same way when it was run again: "
@@ -204,6 +207,23 @@ class Work:
             removed=differences(minimizer.original.document, state.document, self._network),
             document={"version": "1.0", "frame": "sumo", **content_of(state.document)},
         )
+
+    def _explain(self) -> str:
+        """Returns why the failure may not have come again."""
+        again = self._reproduction
+        message = (
+            f"the scenario of run {self._run_id} does not fail in the same way when it is run "
+            f"again: {self._identity.oracle} of {self._identity.ego} was expected. "
+        )
+        if again is not None and again.failure is not None:
+            status = again.status.replace("_", " ")
+            return f"{message}The run ended as {status}: {again.failure.message}"
+        if again is None or self._original is None or not self._original.versions:
+            return f"{message}The failure is flaky, or the software has changed since"
+        changes = changed_software(self._original, again)
+        if not changes:
+            return f"{message}No software has changed since: the failure is flaky"
+        return f"{message}What has changed since: {'; '.join(changes)}"
 
     def _read_recording(self, report: RunReport) -> Recording | None:
         """Returns the motions of a run that was observed, unless its trace is gone or damaged."""

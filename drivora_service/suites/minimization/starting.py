@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
+
 from drivora_service.errors import Conflict
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
@@ -9,6 +11,7 @@ from drivora_service.oracles.verdicts.failure_identity import gravest, identity_
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.minimizations.minimization_records import NewMinimization
 from drivora_service.store.runs.run_records import RunRecord
+from drivora_service.suites.minimization.changed_software import find_missing
 
 DEFAULT_BUDGET = 500
 """Simulations that a search may need."""
@@ -24,6 +27,8 @@ def new_minimization(
     radius_m: float,
     budget: int,
     owner_id: str,
+    oracles: Collection[str],
+    known_agents: Mapping[str, str],
 ) -> NewMinimization:
     """Returns the minimisation of a run.
 
@@ -37,9 +42,12 @@ def new_minimization(
         radius_m: Metres within which a violation is at the same place.
         budget: Simulations that the search may need.
         owner_id: Process of a command that will run it; "": any service.
+        oracles: Names of the oracles that judge runs here.
+        known_agents: Why an agent cannot be used here, by its name; "": it can.
 
     Raises:
-        Conflict: The run has no violation to follow.
+        Conflict: The run has no violation to follow, or what it needs to fail again is not
+            installed.
     """
     # Imported here: it needs the compiler of kernels.
     from drivora_service.scenario.documents import document_text
@@ -49,6 +57,9 @@ def new_minimization(
     violation = gravest(run.verdicts, definition, agents, oracle=oracle)
     if violation is None:
         raise Conflict(_nothing_to_follow(run, definition, oracle))
+    missing = find_missing(run, violation.oracle, oracles=oracles, agents=known_agents)
+    if missing:
+        raise Conflict(f"run {run.id} cannot fail again here: {'; '.join(missing)}")
     agent, seed = overrides
     return NewMinimization(
         run_id=run.id,

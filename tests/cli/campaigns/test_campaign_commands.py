@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -200,9 +201,24 @@ def test_a_campaign_from_its_file_to_its_failures(
 
     (listed,) = drivora("campaign", "list", "--json").json()
     assert listed["id"] == result["id"]
-    assert "Failures" in drivora("campaign", "show", result["id"]).out
+    shown_at_length = drivora("campaign", "show", result["id"], "--out", tmp_path / "again").out
+    first = min(kind["first"] for kind in result["kinds"])
+    assert f"drivora plot {result['id']}-{first} (or: runs show, replay, minimize)" in (
+        shown_at_length
+    )
+    evaluation = drivora("campaign", "show", result["id"], "--evaluation", first).out
+    assert f"Run {result['id']}-{first}: drivora plot {result['id']}-{first}" in evaluation
     assert "Lineage" in drivora("campaign", "show", result["id"], "--evaluation", 3).out
     assert drivora("campaign", "resume", result["id"]).code == 3
+
+    # The folder can be written again, by either command.
+    written = {path.name: path.read_bytes() for path in out.iterdir()}
+    shutil.rmtree(out)
+    resumed = drivora("campaign", "resume", result["id"], "--out", out)
+    assert resumed.code == 0
+    assert "is finished; its folder is written again" in resumed.err
+    for folder in (out, tmp_path / "again"):
+        assert {path.name: path.read_bytes() for path in folder.iterdir()} == written
 
 
 @pytest.mark.slow(seconds=30)
@@ -239,13 +255,13 @@ def test_an_interrupt_pauses_and_another_process_can_ask_for_it(
 ) -> None:
     # It must not end before the command that asks for a pause has got ready.
     campaign_file.write_text(CAMPAIGN.replace("simulations: 24", "simulations: 2000"))
-    process = begin_campaign(tmp_path, "run", campaign_file)
+    process = begin_campaign(tmp_path, "run", campaign_file, "--out", "my findings")
     campaign_id = wait_until_told(tmp_path, process, 2)
     process.send_signal(signal.SIGINT)
     assert process.wait(60.0) == 130
     log = (tmp_path / "campaign.log").read_text()
     assert "interrupted: the campaign is paused and its " in log
-    assert f"resume it with: drivora campaign resume {campaign_id}" in log
+    assert f"resume it with: drivora campaign resume {campaign_id} --out 'my findings'" in log
     assert "Traceback" not in log
     assert drivora("campaign", "show", campaign_id, "--json").json()["state"] == "paused"
 

@@ -50,6 +50,12 @@ def test_what_was_decided_is_shown_with_the_group(
     assert f" {crashed['id']} " in listed.out
     assert "an obstacle" in listed.out
     assert "1 failures; 1 at fault and avoidable" in listed.out
+    assert f"run {crashed['run_id']}\n" in listed.out
+    assert f"drivora plot {crashed['run_id']} (or: runs show, replay, minimize)" in listed.out
+    until = f"{crashed['avoidable_until']:.2f} s"
+    assert f"Avoidable until {until}." in " ".join(
+        drivora("runs", "show", crashed["run_id"], COLUMNS="300").out.split()
+    )
     decided = drivora(
         *("failures", "decide", group, "--status", "known", "--note", "Seen.", "--by", "Ada"),
         "--json",

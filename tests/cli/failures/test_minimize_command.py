@@ -14,8 +14,10 @@ from typing import Any
 
 import pytest
 
+from drivora_service.api.documentation.recorded_examples import SCENARIO
 from tests.cli.conftest import Drivora, Ended
 from tests.command_process import Begun, begin
+from tests.oracles.installing import PACKAGE, install_oracles
 from tests.suites.minimization.crowded_crash import ONLY_NEEDED, crowded_crash
 
 
@@ -98,6 +100,27 @@ def test_what_cannot_be_minimised(drivora: Drivora, run_id: str) -> None:
     assert "does not violate red_light" in refused(run_id, "--oracle", "red_light").err
     assert "unknown run '0'" in refused("0").err
     assert "--out" in refused(run_id, "--out", "/proc/none/smaller").err
+
+
+@pytest.mark.slow
+def test_a_run_whose_oracle_is_not_installed_any_more_is_refused_before_it_is_run(
+    drivora: Drivora, tmp_path: Path
+) -> None:
+    file = tmp_path / "fast.json"
+    file.write_text(json.dumps({**SCENARIO, "max_sim_time": 8.0}))
+    with pytest.MonkeyPatch.context() as patch:
+        install_oracles(tmp_path / "site", patch, "top_speed")
+        run = drivora("run", file, "--workers", "1", "--json").json()["id"]
+    ended = drivora("minimize", run, "--oracle", "top_speed")
+    assert ended.code == 2
+    assert ended.err.startswith(
+        f"run {run} cannot fail again here: oracle 'top_speed' is not installed; it was made with "
+        f"{PACKAGE} 1.0, not installed here: install it again"
+    )
+    rejudged = drivora("rejudge", run)
+    assert rejudged.code == 3
+    assert "Oracle top_speed is not installed; traces that it judged before: 1" in rejudged.out
+    assert "Traces: 1; compared: 1; changed: 0; damaged: 0" in rejudged.out
 
 
 def begun(data: Path, run: str, log: Path, more_than: int) -> tuple[Begun, str]:

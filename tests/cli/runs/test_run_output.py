@@ -68,6 +68,19 @@ def test_the_fault_of_every_degree_has_words(
     assert "Collided." in capsys.readouterr().out
 
 
+def test_a_printed_collision_says_until_when_it_was_avoidable(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    verdict = collision(
+        at_fault=True,
+        avoidable=Answer.YES,
+        time=5.0,
+        evidence={"avoidability": {"latest_before": 0.75}},
+    )
+    print_result(ScenarioResult(scenario="a", run=run_with(verdict)))
+    assert "Collided. Avoidable until 4.25 s." in " ".join(capsys.readouterr().out.split())
+
+
 def test_what_follows_is_counted_apart_and_names_its_cause(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -9,9 +9,12 @@ import pytest
 
 from drivora_service.oracles.verdict import Answer, Outcome, Verdict
 from drivora_service.oracles.verdicts.failure_facts import (
+    avoidability_words,
     avoidable_until,
+    explain_collision,
     failure_group,
     failure_sentence,
+    full_message,
     manoeuvre,
 )
 
@@ -118,3 +121,49 @@ def test_without_a_last_moment_none_is_told(evidence: dict[str, Any]) -> None:
     verdict = replace(COLLISION, evidence={**EVIDENCE, "avoidability": {}, **evidence})
     assert avoidable_until(verdict) is None
     assert "avoidable until" not in failure_sentence(verdict, town="grid")
+
+
+@pytest.mark.parametrize(
+    ("avoidable", "assessed", "words"),
+    [
+        (Answer.YES, {"latest_before": 2.05}, "avoidable until 2.50 s"),
+        (Answer.YES, {"latest_before": None}, "avoidable"),
+        (
+            Answer.NO,
+            {"risk_perceived_before": 0.6},
+            "not avoidable: the danger showed 0.6 s before",
+        ),
+        (Answer.NO, {"risk_perceived_before": None}, "not avoidable"),
+        (
+            Answer.NOT_MEASURABLE,
+            {"not_measurable": "the trace does not record the grip of the road"},
+            "not measurable whether avoidable: the trace does not record the grip of the road",
+        ),
+        (None, {}, ""),
+    ],
+)
+def test_the_full_message_ends_with_the_avoidability(
+    avoidable: Answer | None, assessed: dict[str, Any], words: str
+) -> None:
+    verdict = replace(
+        COLLISION, avoidable=avoidable, evidence={**EVIDENCE, "avoidability": assessed}
+    )
+    assert avoidability_words(verdict) == words
+    ending = f" {words[0].upper()}{words[1:]}." if words else ""
+    assert full_message(verdict) == COLLISION.message + ending
+    # Only a violation has it.
+    assert full_message(replace(verdict, outcome=Outcome.PASSED)) == COLLISION.message
+
+
+def test_a_reason_that_is_an_event_of_the_chain_is_said_once() -> None:
+    red = "the ego came into the junction on red"
+    chain = f"4.2 s before, both were about to meet; 1.9 s before, {red}"
+    assert explain_collision(red, None) == red
+    assert explain_collision(red, chain) == chain
+    assert explain_collision("the ego ran into the other", chain) == (
+        f"the ego ran into the other. {chain.capitalize()}"
+    )
+    verdict = replace(
+        COLLISION, evidence={**EVIDENCE, "reason": red, "avoidability": {"chain": chain}}
+    )
+    assert failure_sentence(verdict, town="grid").count(red) == 1

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -10,8 +12,9 @@ from drivora_service.agents.catalogue import AgentCatalogue
 from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.observations.trace_files.trace_file import write_trace
 from drivora_service.observations.trace_files.trace_hash import trace_sha256
-from drivora_service.runs.run_report import RunReport, RunStatus
+from drivora_service.runs.run_report import RunFailure, RunReport, RunStatus
 from drivora_service.scenario.documents import document_text, parse_document
+from drivora_service.scenario.model import AgentChoice
 from drivora_service.store.minimizations.minimization_repository import ActiveMinimization
 from drivora_service.suites.minimization.minimization_work import Work
 from drivora_service.suites.minimization.minimizer import Purpose
@@ -20,8 +23,7 @@ from tests.store.samples import finished, new_minimization
 from tests.suites.minimization.synthetic import checker
 
 
-@pytest.fixture
-def work(tmp_path: Path) -> Work:
+def make_work(tmp_path: Path, original: RunReport | None = None) -> Work:
     """A minimisation of a scenario that no run of these tests lets fail."""
     active = ActiveMinimization(
         id="m" * 24,
@@ -31,7 +33,15 @@ def work(tmp_path: Path) -> Work:
         budget=10,
         document=document_text(parse_document(SCENARIO)),
     )
-    return Work(active, checker(), AgentCatalogue(), lambda run_id: tmp_path / run_id)
+    return Work(
+        active, checker(), AgentCatalogue(), lambda run_id: tmp_path / run_id, original=original
+    )
+
+
+@pytest.fixture
+def work(tmp_path: Path) -> Work:
+    """A minimisation of a run of which nothing is known any more."""
+    return make_work(tmp_path)
 
 
 def cancelled(run_id: str) -> RunReport:
@@ -53,6 +63,48 @@ def test_runs_that_are_not_needed_any_more_count_before_the_end(work: Work) -> N
     assert message(work).startswith("failed: the scenario")
     assert "does not fail in the same way" in message(work)
     assert work.progress.simulations == 2
+
+
+@pytest.mark.parametrize(
+    ("now", "words"),
+    [
+        (
+            {"versions": {"follow-driver": "0.2", "numpy": "2"}},
+            "What has changed since: version of follow-driver: 0.1, now 0.2",
+        ),
+        (
+            {"versions": {"numpy": "2"}},
+            "What has changed since: version of follow-driver: 0.1, now none",
+        ),
+        (
+            {"agents": {"ego": AgentChoice(name="idm", parameters={"headway": 2.0})}},
+            'version of agent of ego: idm {"headway": 1.0}, now idm {"headway": 2.0}',
+        ),
+        ({}, "No software has changed since: the failure is flaky"),
+        (
+            {
+                "status": RunStatus.PLUGIN_FAILED,
+                "failure": RunFailure(cause="oracle_raised", message="oracle 'own' raised"),
+            },
+            "The run ended as plugin failed: oracle 'own' raised",
+        ),
+    ],
+)
+def test_why_a_failure_did_not_come_again_is_named(
+    tmp_path: Path, now: dict[str, Any], words: str
+) -> None:
+    before = RunReport(
+        run_id="r" * 24,
+        status=RunStatus.FINISHED,
+        versions={"follow-driver": "0.1", "numpy": "2"},
+        agents={"ego": AgentChoice(name="idm", parameters={"headway": 1.0})},
+    )
+    work = make_work(tmp_path, before)
+    (wanted,) = work.choose_runs(2)
+    assert wanted.run_id is not None
+    work.take(replace(before, run_id=wanted.run_id, **now))
+    assert work.choose_runs(2) == ()
+    assert message(work).endswith(words)
 
 
 def test_runs_that_were_cancelled_with_their_process_are_made_again(work: Work) -> None:
