@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import partial
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -76,20 +77,71 @@ class NoParameters:
 
 
 def agent_plugin(
-    entry: AgentEntry, parameters: type[P], make: Callable[[P], Agent | SumoDriver]
+    entry: AgentEntry,
+    parameters: type[P] | None,
+    make: Callable[[P], Agent | SumoDriver] | Callable[[], Agent | SumoDriver],
 ) -> AgentPlugin:
     """Makes the plug-in of an agent whose parameters are the fields of a dataclass.
 
     Args:
         entry: Entry of the catalogue.
-        parameters: As :attr:`AgentPlugin.parameters`.
-        make: Makes the agent from the parameters.
+        parameters: As :attr:`AgentPlugin.parameters`; ``None``: the agent takes none.
+        make: Makes the agent from the parameters, or from nothing if it takes none.
+
+    Raises:
+        AgentError: The parameters are no such dataclass, or ``make`` does not take them.
     """
+    type_: type[DataclassInstance] = NoParameters if parameters is None else parameters
+    _check_parameters(entry.name, type_)
+    takes_none = parameters is None and _accepts(make, 0)
+    if not takes_none and not _accepts(make, 1):
+        needed = "no argument" if parameters is None else "one argument, its parameters"
+        raise AgentError(
+            f"agent {entry.name!r}: `make` must be callable with {needed}", cause="agent_plugin"
+        )
+    called: Callable[..., Agent | SumoDriver] = make
 
     def create(written: Mapping[str, Any]) -> Agent | SumoDriver:
-        return make(read_agent_parameters(entry.name, parameters, written))
+        values = read_agent_parameters(entry.name, type_, written)
+        return called() if takes_none else called(values)
 
-    return AgentPlugin(entry=entry, create=create, parameters=parameters)
+    return AgentPlugin(entry=entry, create=create, parameters=type_)
+
+
+def _check_parameters(name: str, type_: object) -> None:
+    """Checks the type of an agent's parameters.
+
+    Raises:
+        AgentError: It is no dataclass, or a field has no default.
+    """
+    if not (isinstance(type_, type) and is_dataclass(type_)):
+        found = type_.__name__ if isinstance(type_, type) else repr(type_)
+        raise AgentError(
+            f"agent {name!r}: its parameters are {found}; allowed: a frozen dataclass with a "
+            "default for every field, or None if it takes no parameters",
+            cause="agent_plugin",
+        )
+    for one in fields(type_):
+        if one.init and one.default is MISSING and one.default_factory is MISSING:
+            raise AgentError(
+                f"agent {name!r}: its parameter {one.name!r} has no default; each field of "
+                f"{type_.__name__} needs one",
+                cause="agent_plugin",
+            )
+
+
+def _accepts(make: object, arguments: int) -> bool:
+    """Returns whether something can be called with so many arguments, as far as it tells."""
+    if not callable(make):
+        return False
+    try:
+        signature(make).bind(*range(arguments))
+    except TypeError:
+        return False
+    except ValueError:
+        # A built-in or compiled callable without a signature.
+        return True
+    return True
 
 
 def read_agent_parameters(name: str, type_: type[P], written: Mapping[str, Any]) -> P:

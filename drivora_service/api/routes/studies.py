@@ -297,6 +297,4 @@ def _study(
     record = transaction.studies.get(study_id)
     scenes = transaction.studies.scenes(study_id)
     missing = transaction.campaign_views.missing_results(study_id=study_id)
-    return study_of(
-        record, scenes, PREFIX, has_process=has_process, missing=missing, notes=notes
-    )
+    return study_of(record, scenes, PREFIX, has_process=has_process, missing=missing, notes=notes)

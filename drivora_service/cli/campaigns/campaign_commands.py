@@ -378,8 +378,7 @@ def _finish(
     if is_interrupted and campaign.state is CampaignState.PAUSED:
         done = campaign.counts.evaluations
         say_interrupted(
-            f"the campaign is paused and its {done} evaluations are kept; "
-            f"{hint.partition('; ')[2]}"
+            f"the campaign is paused and its {done} evaluations are kept; {hint.partition('; ')[2]}"
         )
         raise typer.Exit(ExitCode.INTERRUPTED)
     if hint:

@@ -83,7 +83,9 @@ def plot(
     trace = Path(run)
     if trace.suffix == ".parquet" and trace.is_file():
         target = draw(trace, trace.name.partition(".")[0])
-    elif "/" in run or trace.suffix == ".parquet":
+    elif trace.suffix == ".parquet":
+        raise ConfigurationError(f"no such file: {run}")
+    elif "/" in run:
         raise ConfigurationError(
             f"{run}: neither a trace file (.parquet) nor a run; `drivora runs list` shows the runs"
         )

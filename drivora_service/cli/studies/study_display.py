@@ -14,6 +14,8 @@ from rich.text import Text
 
 from drivora_service.cli.campaigns.campaign_display import duration
 from drivora_service.cli.campaigns.campaign_warning_text import warning_line
+from drivora_service.cli.terminal.log_pace import LogPace
+from drivora_service.cli.terminal.output import note
 from drivora_service.store.campaigns.campaign_records import CampaignState
 
 if TYPE_CHECKING:
@@ -24,13 +26,21 @@ if TYPE_CHECKING:
 class StudyDisplay:
     """A progress bar of all simulations, and a line of counts below it."""
 
-    def __init__(self, study: Study, warn: Callable[[str], None] = lambda _line: None) -> None:
+    def __init__(
+        self,
+        study: Study,
+        warn: Callable[[str], None] = lambda _line: None,
+        *,
+        in_lines: bool = False,
+    ) -> None:
         """Creates the display of a study with the simulations that it has already.
 
         Args:
             study: The study.
             warn: Prints a line above the display.
+            in_lines: Whether to print lines now and then, where a bar is printed at the end only.
         """
+        self._log_pace = LogPace() if in_lines else None
         self._bar = Progress(
             BarColumn(bar_width=30),
             TextColumn("{task.completed}/{task.total} simulations"),
@@ -50,7 +60,8 @@ class StudyDisplay:
 
     def show(self, study: Study) -> None:
         """Shows the progress of a study."""
-        self._bar.update(self._task, completed=study.simulations, pace=self._pace(study))
+        pace = self._pace(study)
+        self._bar.update(self._task, completed=study.simulations, pace=pace)
         counts, states = study.counts, study.campaigns
         parts = [
             f"campaigns {states.get(CampaignState.FINISHED, 0)}/{sum(states.values())}, "
@@ -70,6 +81,9 @@ class StudyDisplay:
             if known not in self._warned:
                 self._warned.add(known)
                 self._warn(warning_line(warning))
+        if self._log_pace is not None and self._log_pace.is_due():
+            done = f"{study.simulations}/{study.budget} simulations"
+            note(f"{done}{', ' + pace if pace else ''}: {self._found.plain}")
 
     def _pace(self, study: Study) -> str:
         """Returns the rate since this display began, and the time left at that rate."""
@@ -84,7 +98,11 @@ class StudyDisplay:
 def study_display(study: Study) -> Iterator[StudyDisplay]:
     """Shows a study on standard error while it runs."""
     console = Console(stderr=True)
-    display = StudyDisplay(study, lambda line: console.print(Text(line), soft_wrap=True))
+    display = StudyDisplay(
+        study,
+        lambda line: console.print(Text(line), soft_wrap=True),
+        in_lines=not console.is_terminal,
+    )
     try:
         with Live(display, console=console, refresh_per_second=4):
             yield display

@@ -107,10 +107,11 @@ def test_what_cannot_be_shown(drivora: Drivora) -> None:
     unknown = drivora("runs", "show", "no-such-run")
     assert (unknown.code, unknown.out) == (2, "")
     assert "unknown run 'no-such-run'. There is no run yet: run scenarios with" in unknown.err
-    for path in ("missing.parquet", "r1/x.report.json"):
-        nothing = drivora("plot", path)
-        assert nothing.code == 2
-        assert f"{path}: neither a trace file (.parquet) nor a run" in nothing.err
+    missing = drivora("plot", "r1/missing.parquet")
+    assert (missing.code, missing.err.strip()) == (2, "no such file: r1/missing.parquet")
+    nothing = drivora("plot", "r1/x.report.json")
+    assert nothing.code == 2
+    assert "r1/x.report.json: neither a trace file (.parquet) nor" in nothing.err
     assert drivora("runs", "list", "--oracle", "collision", "--json").json() == []
     nameless = drivora("runs", "list", "--oracle", "nope")
     assert nameless.code == 2
