@@ -290,8 +290,9 @@ def _finish(
         note(f"study {study.id}: drivora study show {where}")
         raise
     _show(client, study, form)
-    if is_unjudged(study.counts):
-        fail(unjudged_hint("study", study.counts, study.missing_results))
+    is_done = study.state in (StudyState.FINISHED, StudyState.FAILED)
+    if is_done and is_unjudged(study.counts):
+        note(unjudged_hint("study", study.counts, study.missing_results))
         raise typer.Exit(ExitCode.NOT_DONE)
     if study.state is StudyState.FINISHED:
         return
