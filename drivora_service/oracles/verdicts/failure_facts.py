@@ -116,8 +116,8 @@ def avoidability_words(verdict: Verdict) -> str:
             why = "" if shown is None else f": the danger showed {float(shown):.1f} s before"
             return f"not avoidable{why}"
         case Answer.NOT_MEASURABLE:
-            why = assessed.get("not_measurable")
-            return "not measurable whether avoidable" + (f": {why}" if why else "")
+            unknown = assessed.get("not_measurable")
+            return "not measurable whether avoidable" + (f": {unknown}" if unknown else "")
         case _:
             return ""
 
