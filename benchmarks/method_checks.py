@@ -40,7 +40,7 @@ from drivora_service.campaigns.search.conducting import conduct
 from drivora_service.campaigns.search.search_preparation import prepare_search
 from drivora_service.execution.local import LocalExecutor
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
-from drivora_service.search.space.scenario_space import ScenarioSpace
+from drivora_service.search.space.own_space import make_space
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaigns.campaign_records import EvaluationRecord
 from drivora_service.store.database import open_database
@@ -84,7 +84,7 @@ def run_whole(
         Subject(campaign="", method=wanted.tester, scenario=wanted.town, seed=wanted.seed),
         records,
         [
-            ScenarioSpace(seed.scenario, seed.network, valid.campaign.space).genes
+            make_space(seed.scenario, seed.network, valid.campaign.space).genes
             for seed in valid.seeds
         ],
         definition=valid.campaign.definition,

@@ -730,6 +730,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/ids": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Id
+         * @description Returns the id of the one thing that a name or the beginning of an id means.
+         *
+         *     The first that fits counts: an id, `latest`, a name, the beginning of an id. If several things
+         *     have the name or ids that begin so, the answer is 404, and `detail` lists them. With
+         *     `Accept: text/plain` the answer is the id alone.
+         */
+        get: operations["get_id_api_v1_ids_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/jobs": {
         parameters: {
             query?: never;
@@ -2212,6 +2236,12 @@ export interface components {
              * @description Why it failed; empty otherwise.
              */
             message: string;
+            /**
+             * Missing Results
+             * @description Why runs have no result, the most frequent reason first.
+             * @default []
+             */
+            missing_results: components["schemas"]["MissingResult"][];
             /** Name */
             name: string;
             /**
@@ -4315,6 +4345,29 @@ export interface components {
             verdict: components["schemas"]["Verdict"];
         };
         /**
+         * FoundId
+         * @description A stored thing that was named.
+         */
+        FoundId: {
+            /**
+             * Created At
+             * Format: date-time
+             * @description When it was created; of a group of failures, when its last failure was found.
+             */
+            created_at: string;
+            /**
+             * Id
+             * @description Its id.
+             */
+            id: string;
+            kind: components["schemas"]["IdKind"];
+            /**
+             * Name
+             * @description Its name: the label of a run, the suite of a suite's run, the words of a configuration; empty if it has none.
+             */
+            name: string;
+        };
+        /**
          * Frame
          * @description The plane of a document's coordinates.
          * @enum {string}
@@ -4465,6 +4518,12 @@ export interface components {
             /** Version */
             version: string;
         };
+        /**
+         * IdKind
+         * @description A kind of stored thing that has ids.
+         * @enum {string}
+         */
+        IdKind: "run" | "batch" | "campaign" | "study" | "suite_run" | "minimization" | "failure_group" | "configuration";
         /**
          * InspectedActor
          * @description An actor as it appears, and its way, in the road network's plane.
@@ -5416,6 +5475,34 @@ export interface components {
             /** Started At */
             started_at: string | null;
             state: components["schemas"]["MinimizationState"];
+        };
+        /**
+         * MissingResult
+         * @description A reason for which runs have no result.
+         */
+        MissingResult: {
+            /**
+             * Cause
+             * @description Short stable name, as in the `error` of a run.
+             */
+            cause: string;
+            /**
+             * Evaluation
+             * @description Number of the first evaluation with it, from 0.
+             */
+            evaluation: number;
+            /**
+             * Message
+             * @description The reason of the first of these runs, in words.
+             */
+            message: string;
+            /**
+             * Runs
+             * @description How many of the first 200 runs without a result have it. Messages that differ in numbers only are one reason.
+             */
+            runs: number;
+            /** @description Status of these runs, such as `agent_failed` or `plugin_failed`. */
+            status: components["schemas"]["RunStatus"];
         };
         /**
          * Model
@@ -7446,6 +7533,12 @@ export interface components {
              */
             min_speed: number;
             /**
+             * Name
+             * @description A space of an installed package, in place of the one that all other keys but `parameters` describe.
+             * @default null
+             */
+            name: string | null;
+            /**
              * Obstacles
              * @description Static objects beside or partly on an ego's way.
              * @default 0
@@ -7457,6 +7550,14 @@ export interface components {
              * @default false
              */
             optional: boolean;
+            /**
+             * Parameters
+             * @description With `name`: its parameters that differ from their defaults.
+             * @default null
+             */
+            parameters: {
+                [key: string]: components["schemas"]["JsonValue"];
+            } | null;
             /**
              * Patches
              * @description Slippery patches on an ego's way.
@@ -7585,6 +7686,53 @@ export interface components {
             names: string[];
         };
         /**
+         * StartCandidateDocument
+         * @description A candidate, by its genes.
+         */
+        StartCandidateDocument: {
+            /**
+             * Seed
+             * @description Name of its seed scenario; empty if there is only one.
+             * @default
+             */
+            seed: string;
+            /**
+             * Values
+             * @description Its genes, in the order of the space.
+             */
+            values: number[];
+        };
+        /**
+         * StartDocument
+         * @description Candidates of an earlier campaign, which are the first ones of this search.
+         */
+        StartDocument: {
+            /**
+             * Candidates
+             * @description The candidates, the most important ones first.
+             */
+            candidates: components["schemas"]["StartCandidateDocument"][];
+            /** @description Whether they failed, or were nearest to a failure. */
+            kind: components["schemas"]["StartKind"];
+            /**
+             * Network Sha256
+             * @description Hash of the road networks for which the genes were made; without it, that is not checked.
+             * @default null
+             */
+            network_sha256: string | null;
+            /**
+             * Source
+             * @description Where they are from, for people.
+             */
+            source: string;
+        };
+        /**
+         * StartKind
+         * @description The candidates of an earlier campaign that a search starts from.
+         * @enum {string}
+         */
+        StartKind: "failures" | "elites";
+        /**
          * StatedDefinition
          * @description The definition behind numbers.
          */
@@ -7688,6 +7836,12 @@ export interface components {
              * @description Whether a service runs its campaigns.
              */
             is_on_service: boolean;
+            /**
+             * Missing Results
+             * @description Why runs have no result, the most frequent reason first.
+             * @default []
+             */
+            missing_results: components["schemas"]["MissingResult"][];
             /** Name */
             name: string;
             /**
@@ -8188,7 +8342,7 @@ export interface components {
             feedback: components["schemas"]["FeedbackMode"];
             /**
              * Label
-             * @description Its name in the study; without it, that of the tester, with `without feedback` if that is shuffled, and with `by` and the names of `minimises`.
+             * @description Its name in the study; without it, that of the tester, with `without feedback` if that is shuffled, and with `by` and the names of `minimises`, and with `from failures` or `from elites` if it starts from those.
              * @default null
              */
             label: string | null;
@@ -8221,6 +8375,11 @@ export interface components {
              * @default null
              */
             selection: string | null;
+            /**
+             * @description Candidates of an earlier campaign, which it simulates first; without it, it draws its first candidates.
+             * @default null
+             */
+            start_from: components["schemas"]["StartDocument"] | null;
         };
         /**
          * StudyScenarioDocument
@@ -8865,6 +9024,11 @@ export interface components {
              * @default null
              */
             selection: string | null;
+            /**
+             * @description Candidates of an earlier campaign, which it simulates first; without it, it draws its first candidates.
+             * @default null
+             */
+            start_from: components["schemas"]["StartDocument"] | null;
         };
         /**
          * TesterList
@@ -10020,9 +10184,9 @@ export interface operations {
     compare_batches_api_v1_batches_compare_get: {
         parameters: {
             query: {
-                /** @description Id of batch A, or the name: its newest batch. */
+                /** @description Batch A: its id or the first digits of it, its name (the newest of this name), or `latest`. */
                 a: string;
-                /** @description Id or name of batch B. */
+                /** @description Batch B, likewise. */
                 b: string;
                 /** @description The violations that are failures, in place of what was defined for the runs when they were posted. */
                 counts?: components["schemas"]["Counted"] | null;
@@ -11360,7 +11524,7 @@ export interface operations {
     compare_campaigns_api_v1_campaigns_compare_get: {
         parameters: {
             query: {
-                /** @description Ids, names, or patterns of names such as `study-*`; may be repeated. */
+                /** @description Ids, their first digits, names, patterns of names such as `study-*`, or `latest`; may be repeated. */
                 campaign: string[];
                 /** @description Baseline method. */
                 baseline?: string;
@@ -12388,6 +12552,87 @@ export interface operations {
             };
             /** @description Not Found */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_id_api_v1_ids_get: {
+        parameters: {
+            query: {
+                /** @description What is meant; may be repeated. */
+                kind: components["schemas"]["IdKind"][];
+                /** @description `latest`, the newest of the kind; an id, or its first digits; a name. Of a run also `CAMPAIGN-EVALUATION`. */
+                wanted: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FoundId"];
+                    /** @example 01a1fd17791a26704e9badf4 */
+                    "text/plain": string;
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+            /** @description Not Acceptable */
+            406: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -15793,7 +16038,7 @@ export interface operations {
                 column?: string[] | null;
                 /** @description Of this batch; may be repeated. */
                 batch?: string[] | null;
-                /** @description Of this campaign, by its id, its name, or a pattern of names; may be repeated. */
+                /** @description Of this campaign, by its id, its first digits, its name, a pattern of names, or `latest`; may be repeated. */
                 campaign?: string[] | null;
                 /** @description Of the campaigns of this study; may be repeated. */
                 study?: string[] | null;
