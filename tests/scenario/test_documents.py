@@ -81,7 +81,9 @@ def test_every_problem_is_named_in_document_order(good: dict[str, Any]) -> None:
         "/npc_walkers/0/route",
         "/wether",
     ]
-    assert found["/ego_vehicles/0/route/1/y"] == "found text '98'; a number is needed"
+    assert found["/ego_vehicles/0/route/1/y"] == (
+        "found text '98'; a number is needed, without a unit: it is in m"
+    )
     assert "did you mean 'weather'?" in found["/wether"]
     assert "/ego_vehicles/0/id" in found["/npc_walkers/0/id"]
 

@@ -42,7 +42,7 @@ from drivora_service.runs.run_report import RunReport, RunSpec, RunStatus
 from drivora_service.scenario.canonical import canonical_json
 from drivora_service.simulation import trace_assembly
 from drivora_service.simulation.motion import step_kernels
-from drivora_service.worker import measuring, performing
+from drivora_service.worker import measuring, objective_measuring, performing
 from drivora_service.worker.integrity import snapshot_judging_code
 from drivora_service.worker.setup import WorkerSetup
 from tests.simulation.episodes import ego, place, scenario
@@ -337,7 +337,7 @@ def test_a_feedback_that_changes_its_judge_is_told_from_the_agent(
             change.do()
             return Measurement(objectives={"one": 1.0})
 
-    monkeypatch.setattr(performing, "make_feedback", lambda _choice, _laws: Meddling())
+    monkeypatch.setattr(objective_measuring, "make_feedback", lambda _choice, _laws: Meddling())
     try:
         report = drive(lambda: None, feedback=FeedbackChoice(name="meddling"))
     finally:
@@ -392,7 +392,9 @@ def test_the_judging_itself_is_checked_where_other_packages_have_run(
     document = canonical_json(scenario(ego(start, end, agent="idm"), seconds=1.0))
     make: Callable[[FeedbackChoice], Feedback] = measuring.make_feedback
     monkeypatch.setattr(
-        performing, "make_feedback", lambda c, _laws: Guest() if c.name == "guest" else make(c)
+        objective_measuring,
+        "make_feedback",
+        lambda c, _laws: Guest() if c.name == "guest" else make(c),
     )
     snapshot_judging_code.cache_clear()
     code = snapshot_judging_code()

@@ -21,12 +21,12 @@ def is_named(wanted: ResultFilter) -> ColumnElement[bool]:
     return or_(CampaignRow.id.in_(wanted.campaign_ids), CampaignRow.study_id.in_(wanted.study_ids))
 
 
-def campaign_columns(campaign: CampaignRow | None, number: int) -> dict[str, Any]:
+def campaign_columns(campaign: CampaignRow | None, number: int | None) -> dict[str, Any]:
     """Returns the columns that say where in a campaign and in a study a run belongs.
 
     Args:
         campaign: Its campaign, if it is of one.
-        number: Number of its evaluation.
+        number: Number of its evaluation; ``None``: it is the run of a seed scenario.
     """
     if campaign is None:
         names = ("campaign_id", "campaign", "evaluation", "study_id")

@@ -26,6 +26,8 @@ from drivora_service.store.runs.run_scope import facet_conditions, has_verdict, 
 from drivora_service.store.runs.run_tables import BatchRow, ReportRow, RunRow
 
 _AGAIN = "-again"
+_SEED = "-seed-"
+"""Part of the id of a run of a campaign's seed scenario, which is no evaluation."""
 """Ends the ids of the runs of a campaign that confirm failures."""
 
 
@@ -99,7 +101,7 @@ class ResultRepository:
             report, definition = summary.pop("report"), summary.pop("definition")
             values = {
                 **summary,
-                **campaign_columns(campaign, row.item),
+                **campaign_columns(campaign, None if _SEED in row.id else row.item),
                 "run_id": row.id,
                 "source": "run",
                 "confirms": campaign is not None and row.id.endswith(_AGAIN),

@@ -61,7 +61,11 @@ _RUNS = (
     _column("item", _COUNT, "place in the batch, from 0; number of the evaluation in a campaign"),
     _or_null("campaign_id", _TEXT, "id of its campaign"),
     _or_null("campaign", _TEXT, "name of its campaign"),
-    _or_null("evaluation", _COUNT, "number of its evaluation in the campaign, from 0"),
+    _or_null(
+        "evaluation",
+        _COUNT,
+        "number of its evaluation in the campaign, from 0; null: the run of a seed scenario",
+    ),
     _column(
         "confirms",
         _FLAG,

@@ -242,7 +242,7 @@ def test_what_is_not_there_is_named(database: Database) -> None:
             transaction.campaigns.get("nothing")
         with pytest.raises(UnknownName, match="0 to 0"):
             transaction.evaluations.get(campaign_id, 1)
-        with pytest.raises(UnknownName, match="invalid candidates have none"):
+        with pytest.raises(UnknownName, match="Invalid candidates have none"):
             transaction.evaluations.document(campaign_id, 0)
 
 
