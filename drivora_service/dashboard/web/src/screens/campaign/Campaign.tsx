@@ -67,7 +67,7 @@ function Loaded({ campaign }: { readonly campaign: Schemas["Campaign"] }) {
         </section>
       )}
       <Answer campaign={campaign} />
-      <Warnings warnings={campaign.warnings} />
+      <Warnings warnings={campaign.warnings} missing={campaign.missing_results} />
       <Judged campaign={campaign} />
       <div className="two wide-first">
         <section className="panel">

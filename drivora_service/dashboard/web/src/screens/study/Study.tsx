@@ -71,7 +71,7 @@ function Loaded({
           `; ${count(study.counts.avoidable)} of them count: an ego was at fault, and it was avoidable`}
         .
       </p>
-      <Warnings warnings={study.warnings} />
+      <Warnings warnings={study.warnings} missing={study.missing_results} />
       <section className="panel">
         <header>
           <h2>Failures that count + others</h2>
