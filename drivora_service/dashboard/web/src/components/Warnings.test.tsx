@@ -8,8 +8,20 @@ test("runs without a result are listed with their reason", () => {
     <Warnings
       warnings={[]}
       missing={[
-        { cause: "plugin_raised", evaluation: 0, message: reason, runs: 6, status: "plugin_failed" },
-        { cause: "agent_hung", evaluation: 3, message: "too slow", runs: 1, status: "agent_failed" },
+        {
+          cause: "plugin_raised",
+          evaluation: 0,
+          message: reason,
+          runs: 6,
+          status: "plugin_failed",
+        },
+        {
+          cause: "agent_hung",
+          evaluation: 3,
+          message: "too slow",
+          runs: 1,
+          status: "agent_failed",
+        },
       ]}
     />,
   );
