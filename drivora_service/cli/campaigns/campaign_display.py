@@ -107,6 +107,8 @@ def _format_findings(campaign: Campaign, repeated: Repeated) -> str:
         f"{counts.avoidable or 0} avoidable",
         f"invalid {counts.invalid}",
     ]
+    if counts.apart:
+        parts.append(f"others {sum(number for number, _ in counts.apart)}")
     if counts.failed:
         parts.append(f"without a result {counts.failed}")
     for name, best in list(campaign.best.items())[:1]:

@@ -152,12 +152,10 @@ def _counts(definition: StatedDefinition) -> str:
 def _accountable(counts: CampaignCounts) -> str:
     parts = [f"{counts.at_fault} at fault"]
     if counts.avoidable is not None:
-        parts.append(f"{counts.avoidable} avoidable, {counts.unavoidable} not avoidable")
-    if counts.undetermined:
-        parts.append(f"{counts.undetermined} undetermined")
-    if counts.preventable:
-        parts.append(f"{counts.preventable} not at fault, but avoidable")
-    return "; ".join(parts)
+        parts.append(f"{counts.avoidable} avoidable")
+    apart = [f"{number} {words}" for number, words in counts.apart]
+    # These are counted whether the campaign counts them as failures or not.
+    return ", ".join(parts) + (f"); simulations by degree ({', '.join(apart)}" if apart else "")
 
 
 def print_evaluation(evaluation: Evaluation, *, where: str = "") -> None:

@@ -9,7 +9,6 @@ from typing import Any
 from drivora_service.api.schemas.runs import Run
 from drivora_service.cli.terminal.output import note, number, print_table
 from drivora_service.errors import Problem
-from drivora_service.metrics.metric_descriptions import METRICS
 from drivora_service.oracles.oracle_descriptions import SHARE
 from drivora_service.oracles.verdict import Outcome, Severity, Verdict
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, Accountability, accountability
@@ -141,7 +140,10 @@ def print_result(result: ScenarioResult, *, where: str = "") -> None:
         print_table("Verdicts", columns, rows, wrap=("message",))
     _print_failures(run)
     if run.metrics:
-        units = {one.name: one.unit for one in METRICS}
+        from drivora_service.metrics.catalogue import MetricCatalogue
+
+        # Those of packages that are installed here, too; of others the unit is not known.
+        units = {one.name: one.unit for one in MetricCatalogue().descriptions()}
         metrics = (
             (name, number(value, 3), units.get(name.partition("[")[0], "").replace(SHARE, ""))
             for name, value in run.metrics.items()

@@ -125,6 +125,8 @@ class CampaignCounts(Shape):
             avoids, likewise; null if the campaign was judged before this was recorded.
         agent_failed: Those without a result in which the ADS itself failed; null if the campaign
             began before this was recorded.
+        not_at_fault: Candidates with violations at the fault of others only, none that this driver
+            is known to avoid, whether the campaign counts them or not; null likewise.
     """
 
     evaluations: int = 0
@@ -138,11 +140,23 @@ class CampaignCounts(Shape):
     undetermined: int | None = 0
     preventable: int | None = 0
     agent_failed: int | None = 0
+    not_at_fault: int | None = 0
 
     @property
     def simulations(self) -> int:
         """Candidates that count against the budget."""
         return self.judged + self.failed
+
+    @property
+    def apart(self) -> tuple[tuple[int, str], ...]:
+        """Candidates by the strongest of their violations, but for the avoidable ones; not zero."""
+        degrees = (
+            (self.unavoidable, "at fault, but not avoidable"),
+            (self.undetermined, "of undetermined fault"),
+            (self.preventable, "not at fault, but avoidable"),
+            (self.not_at_fault, "not at fault"),
+        )
+        return tuple((number, words) for number, words in degrees if number)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -58,6 +58,7 @@ class CampaignRow(Base):
     undetermined: Mapped[int | None] = mapped_column(default=0)
     preventable: Mapped[int | None] = mapped_column(default=0)
     agent_failed: Mapped[int | None] = mapped_column(default=0)
+    not_at_fault: Mapped[int | None] = mapped_column(default=0)
     best: Mapped[str] = mapped_column(Text, default="{}", server_default="{}")
     study_id: Mapped[str] = mapped_column(String(40), default="", server_default=text("''"))
     study_scenario: Mapped[str] = mapped_column(String(100), default="", server_default=text("''"))

@@ -101,7 +101,7 @@ def _warnings(
         yield _all_fail(counts, seed_runs)
     is_enough = judged > 0 if is_finished else judged >= MANY
     if is_enough and counts.violating == 0 and not counts.agent_failed:
-        yield _none_fails(judged)
+        yield _none_fails(judged, counts)
 
 
 def _without_result(counts: CampaignCounts) -> CampaignWarning:
@@ -174,12 +174,21 @@ def _all_fail(counts: CampaignCounts, seed_runs: Sequence[SeedRun]) -> CampaignW
     )
 
 
-def _none_fails(judged: int) -> CampaignWarning:
+def _none_fails(judged: int, counts: CampaignCounts) -> CampaignWarning:
+    apart = ", ".join(f"{number} {words}" for number, words in counts.apart)
+    if apart:
+        found = f" Simulations with a violation that does not count: {apart}."
+        advice = "Count more if these matter (`counts: any`), widen the space, or raise the budget."
+    else:
+        found = ""
+        advice = (
+            "Look whether the candidates meet the ego at all, widen the space, raise the budget, "
+            "or count more."
+        )
     return CampaignWarning(
         code=WarningCode.NONE_FAILS,
         message=f"No failure in {judged} simulations: if they were drawn at random, at most "
-        f"{100.0 * upper_bound(judged):.2g} % of such simulations fail (95 % confidence).",
-        advice="Look whether the candidates meet the ego at all, widen the space, raise the "
-        "budget, or count more.",
+        f"{100.0 * upper_bound(judged):.2g} % of such simulations fail (95 % confidence).{found}",
+        advice=advice,
         page=f"{PAGE}#nothing-fails",
     )

@@ -177,6 +177,8 @@ def _count(campaign: CampaignRow, records: Sequence[EvaluationRecord]) -> None:
         campaign.undetermined += degrees[Accountability.UNDETERMINED]
     if campaign.preventable is not None:
         campaign.preventable += degrees[Accountability.PREVENTABLE]
+    if campaign.not_at_fault is not None:
+        campaign.not_at_fault += degrees[Accountability.NOT_AT_FAULT]
     if campaign.agent_failed is not None:
         campaign.agent_failed += sum(
             record.report.status is RunStatus.AGENT_FAILED for record in records

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
@@ -39,6 +40,7 @@ _COUNTED = (
     "undetermined",
     "preventable",
     "agent_failed",
+    "not_at_fault",
 )
 
 
@@ -186,10 +188,11 @@ class StudyRepository:
 
 
 def _sum_counts(parts: Sequence[Row[Any]]) -> CampaignCounts:
-    # Old campaigns lack some counts, but none of them is of a study, except for the newest count.
+    # Old campaigns lack some counts, but none of them is of a study, except for the newest counts.
     sums = {name: sum(getattr(part, name) or 0 for part in parts) for name in _COUNTED}
     is_old = any(part.agent_failed is None for part in parts)
-    return CampaignCounts(**sums | ({"agent_failed": None} if is_old else {}))
+    counts = CampaignCounts(**sums)
+    return replace(counts, agent_failed=None, not_at_fault=None) if is_old else counts
 
 
 def _summary(row: StudyRow, parts: Sequence[Row[Any]]) -> StudySummary:

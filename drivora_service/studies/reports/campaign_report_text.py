@@ -59,7 +59,7 @@ def _make_search_rows(report: CampaignReport) -> list[tuple[str, str]]:
     if tester.start_from is not None:
         rows.append(("started from", tester.start_from.words))
     if document.feedback is not None:
-        rows.append(("minimised in place of its own objectives", document.feedback.words))
+        rows.append(("searched by, in place of its own objectives", document.feedback.words))
     if tester.feedback is FeedbackMode.SHUFFLED:
         rows.append(("feedback", "shuffled: it was told the results of other candidates"))
     space = {k: v for k, v in document.space.model_dump(mode="json").items() if v is not False}

@@ -139,6 +139,23 @@ def test_counts_follow_the_evaluations(database: Database) -> None:
     assert record.left_s == pytest.approx(6 / (4 / 2.5))
 
 
+def test_simulations_in_which_others_are_at_fault_are_counted(database: Database) -> None:
+    campaign_id = create(database)
+    others = [
+        replace(record, violations=(), failure_kinds=(), strongest=degree)
+        for record, degree in (
+            (evaluation(0), Accountability.NOT_AT_FAULT),
+            (evaluation(1), Accountability.PREVENTABLE),
+            (evaluation(2), None),
+        )
+    ]
+    append(database, campaign_id, *others)
+    with database.read() as transaction:
+        counts = transaction.campaigns.get(campaign_id).counts
+    assert (counts.violating, counts.not_at_fault, counts.preventable) == (0, 1, 1)
+    assert counts.apart == ((1, "not at fault, but avoidable"), (1, "not at fault"))
+
+
 def test_failures_are_counted_by_what_the_ego_is_accountable_for(database: Database) -> None:
     campaign_id = create(database)
     append(

@@ -69,6 +69,17 @@ def test_that_none_fails_is_said_at_the_end_and_before_after_many() -> None:
     )
 
 
+def test_violations_that_do_not_count_are_named_where_none_fails() -> None:
+    (warning,) = found(judged=200, is_finished=True, not_at_fault=3, preventable=2)
+    assert warning.message.endswith(
+        "Simulations with a violation that does not count: 2 not at fault, but avoidable, "
+        "3 not at fault."
+    )
+    assert "meet the ego" not in warning.advice
+    (warning,) = found(judged=200, is_finished=True)
+    assert "meet the ego" in warning.advice
+
+
 def test_the_bound_of_a_rate_is_that_of_the_binomial_distribution() -> None:
     for n in (1, 7, 30, 1000):
         # With this rate, n simulations without a failure have a probability of 5 %.

@@ -20,20 +20,20 @@ CREATE TABLE attempts (
 	CONSTRAINT fk_attempts_run_seq_runs FOREIGN KEY(run_seq) REFERENCES runs (seq) ON DELETE CASCADE, 
 	CONSTRAINT fk_attempts_owner_id_owners FOREIGN KEY(owner_id) REFERENCES owners (id)
 );
-INSERT INTO "attempts" VALUES(1,1,'01a227ce2c734f1d2722691f','slot-0','2026-11-29 14:55:53.113857','2026-11-29 14:55:53.119325','2026-11-29 14:55:53.119325','finished','','','');
-INSERT INTO "attempts" VALUES(2,1,'01a227ce2c734f1d2722691f','slot-0','2026-11-29 14:55:53.113857','2026-11-29 14:55:53.119349','2026-11-29 14:55:53.119349','finished','','','');
-INSERT INTO "attempts" VALUES(3,1,'01a227ce2c734f1d2722691f','','2026-11-29 14:55:53.113857',NULL,NULL,'','','','');
-INSERT INTO "attempts" VALUES(4,1,'01a227ce2c734f1d2722691f','slot-0','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.128650','2026-11-29 14:55:53.128650','simulator_crashed','signal','SIGSEGV','last line');
-INSERT INTO "attempts" VALUES(5,1,'01a227ce2c734f1d2722691f','slot-0','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.136457','2026-11-29 14:55:53.136457','finished','','','');
-INSERT INTO "attempts" VALUES(6,1,'01a227ce2c734f1d2722691f','slot-0','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.136473','2026-11-29 14:55:53.136473','infrastructure_failed','worker_lost','','');
-INSERT INTO "attempts" VALUES(7,1,'01a227ce2c734f1d2722691f','slot-0','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.138334','2026-11-29 14:55:53.138334','finished','','','');
-INSERT INTO "attempts" VALUES(8,1,'01a227ce2c734f1d2722691f','slot-0','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.138348','2026-11-29 14:55:53.138348','finished','','','');
-INSERT INTO "attempts" VALUES(9,1,'01a227ce2c734f1d2722691f','slot-0','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.138357','2026-11-29 14:55:53.138357','finished','','','');
-INSERT INTO "attempts" VALUES(10,1,'01a227ce2c734f1d2722691f','slot-0','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.138364','2026-11-29 14:55:53.138364','finished','','','');
-INSERT INTO "attempts" VALUES(11,1,'01a227ce2c734f1d2722691f','','2026-11-29 14:55:53.126907',NULL,NULL,'','','','');
-INSERT INTO "attempts" VALUES(12,1,'01a227ce2c734f1d2722691f','','2026-11-29 14:55:53.126907',NULL,NULL,'','','','');
-INSERT INTO "attempts" VALUES(4,2,'01a227ce2c734f1d2722691f','slot-0','2026-11-29 14:55:53.130311','2026-11-29 14:55:53.131503','2026-11-29 14:55:53.131503','simulator_crashed','signal','SIGSEGV','last line');
-INSERT INTO "attempts" VALUES(6,2,'01a227ce2c734f1d2722691f','','2026-11-29 14:55:53.160418',NULL,NULL,'','','','');
+INSERT INTO "attempts" VALUES(1,1,'01a227df782d4fb20e34d336','slot-0','2026-11-29 15:14:46.740244','2026-11-29 15:14:46.747496','2026-11-29 15:14:46.747496','finished','','','');
+INSERT INTO "attempts" VALUES(2,1,'01a227df782d4fb20e34d336','slot-0','2026-11-29 15:14:46.740244','2026-11-29 15:14:46.747518','2026-11-29 15:14:46.747518','finished','','','');
+INSERT INTO "attempts" VALUES(3,1,'01a227df782d4fb20e34d336','','2026-11-29 15:14:46.740244',NULL,NULL,'','','','');
+INSERT INTO "attempts" VALUES(4,1,'01a227df782d4fb20e34d336','slot-0','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.754037','2026-11-29 15:14:46.754037','simulator_crashed','signal','SIGSEGV','last line');
+INSERT INTO "attempts" VALUES(5,1,'01a227df782d4fb20e34d336','slot-0','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.764254','2026-11-29 15:14:46.764254','finished','','','');
+INSERT INTO "attempts" VALUES(6,1,'01a227df782d4fb20e34d336','slot-0','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.764269','2026-11-29 15:14:46.764269','infrastructure_failed','worker_lost','','');
+INSERT INTO "attempts" VALUES(7,1,'01a227df782d4fb20e34d336','slot-0','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.765936','2026-11-29 15:14:46.765936','finished','','','');
+INSERT INTO "attempts" VALUES(8,1,'01a227df782d4fb20e34d336','slot-0','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.765950','2026-11-29 15:14:46.765950','finished','','','');
+INSERT INTO "attempts" VALUES(9,1,'01a227df782d4fb20e34d336','slot-0','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.765958','2026-11-29 15:14:46.765958','finished','','','');
+INSERT INTO "attempts" VALUES(10,1,'01a227df782d4fb20e34d336','slot-0','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.765967','2026-11-29 15:14:46.765967','finished','','','');
+INSERT INTO "attempts" VALUES(11,1,'01a227df782d4fb20e34d336','','2026-11-29 15:14:46.752697',NULL,NULL,'','','','');
+INSERT INTO "attempts" VALUES(12,1,'01a227df782d4fb20e34d336','','2026-11-29 15:14:46.752697',NULL,NULL,'','','','');
+INSERT INTO "attempts" VALUES(4,2,'01a227df782d4fb20e34d336','slot-0','2026-11-29 15:14:46.755603','2026-11-29 15:14:46.756647','2026-11-29 15:14:46.756647','simulator_crashed','signal','SIGSEGV','last line');
+INSERT INTO "attempts" VALUES(6,2,'01a227df782d4fb20e34d336','','2026-11-29 15:14:46.801345',NULL,NULL,'','','','');
 CREATE TABLE batch_facets (
 	batch_seq INTEGER NOT NULL, 
 	facet BIGINT NOT NULL, 
@@ -72,10 +72,10 @@ CREATE TABLE batches (
 	CONSTRAINT pk_batches PRIMARY KEY (seq), 
 	CONSTRAINT uq_batches_id UNIQUE (id)
 );
-INSERT INTO "batches" VALUES(1,'jobs','jobs posted alone',0,'open','2026-11-29 14:55:52.973043',4,0,3,'',64);
-INSERT INTO "batches" VALUES(2,'01a227ce2cd801a606cef6d8','batch',1,'open','2026-11-29 14:55:53.049019',9,0,11,'',68);
-INSERT INTO "batches" VALUES(3,'01a227ce2ce4385f65dd83bb','paused',2,'paused','2026-11-29 14:55:53.061008',2,2,0,'',25);
-INSERT INTO "batches" VALUES(4,'01a227ce2ce8f6e2608a0cf5','cancelled',2,'cancelled','2026-11-29 14:55:53.064035',2,0,0,'',28);
+INSERT INTO "batches" VALUES(1,'jobs','jobs posted alone',0,'open','2026-11-29 15:14:46.494576',4,0,3,'',64);
+INSERT INTO "batches" VALUES(2,'01a227df7905e8d117fa58d0','batch',1,'open','2026-11-29 15:14:46.661450',9,0,11,'',68);
+INSERT INTO "batches" VALUES(3,'01a227df79105c50dc434f4d','paused',2,'paused','2026-11-29 15:14:46.672310',2,2,0,'',25);
+INSERT INTO "batches" VALUES(4,'01a227df79122458a39778f4','cancelled',2,'cancelled','2026-11-29 15:14:46.674532',2,0,0,'',28);
 CREATE TABLE campaigns (
 	seq INTEGER NOT NULL, 
 	id VARCHAR(40) NOT NULL, 
@@ -110,6 +110,7 @@ CREATE TABLE campaigns (
 	undetermined INTEGER, 
 	preventable INTEGER, 
 	agent_failed INTEGER, 
+	not_at_fault INTEGER, 
 	best TEXT DEFAULT '{}' NOT NULL, 
 	study_id VARCHAR(40) DEFAULT '' NOT NULL, 
 	study_scenario VARCHAR(100) DEFAULT '' NOT NULL, 
@@ -121,8 +122,8 @@ CREATE TABLE campaigns (
 	CONSTRAINT pk_campaigns PRIMARY KEY (seq), 
 	CONSTRAINT uq_campaigns_id UNIQUE (id)
 );
-INSERT INTO "campaigns" VALUES(1,'01a227ce2d59292b370a9cea','search','{"name":"search"}','random','idm','idm','','tee-town','aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa',10,'{"numpy": "2"}','finished','','','','','2026-11-29 14:55:53.177940','2026-11-29 14:55:53.191376','2026-11-29 14:55:53.221597','2026-11-29 14:55:53.221597',5.0,6,4,1,1,3,2,2,0,0,0,0,'{}','','','','',0,79,'[]');
-INSERT INTO "campaigns" VALUES(2,'01a227ce2d618d0678cc985b','waiting','{"name":"search"}','random','idm','idm','','tee-town','aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa',10,'{"numpy": "2"}','queued','','','','','2026-11-29 14:55:53.185266',NULL,NULL,'2026-11-29 14:55:53.185266',0.0,0,0,0,0,0,0,0,0,0,0,0,'{}','','','','',0,70,'[]');
+INSERT INTO "campaigns" VALUES(1,'01a227df799b0a3666c37b8c','search','{"name":"search"}','random','idm','idm','','tee-town','aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa',10,'{"numpy": "2"}','finished','','','','','2026-11-29 15:14:46.811954','2026-11-29 15:14:46.824373','2026-11-29 15:14:46.878072','2026-11-29 15:14:46.878072',5.0,6,4,1,1,3,2,2,0,0,0,0,1,'{}','','','','',0,79,'[]');
+INSERT INTO "campaigns" VALUES(2,'01a227df79a461f39b484459','waiting','{"name":"search"}','random','idm','idm','','tee-town','aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa',10,'{"numpy": "2"}','queued','','','','','2026-11-29 15:14:46.820234',NULL,NULL,'2026-11-29 15:14:46.820234',0.0,0,0,0,0,0,0,0,0,0,0,0,0,'{}','','','','',0,70,'[]');
 CREATE TABLE change_epochs (
 	seq INTEGER NOT NULL, 
 	id VARCHAR(16) NOT NULL, 
@@ -130,9 +131,9 @@ CREATE TABLE change_epochs (
 	CONSTRAINT pk_change_epochs PRIMARY KEY (seq), 
 	CONSTRAINT uq_change_epochs_id UNIQUE (id)
 );
-INSERT INTO "change_epochs" VALUES(1,'cc12430a6e2f',0);
-INSERT INTO "change_epochs" VALUES(2,'1ce5a0841631',0);
-INSERT INTO "change_epochs" VALUES(3,'c7740db87639',79);
+INSERT INTO "change_epochs" VALUES(1,'e87bec82d481',0);
+INSERT INTO "change_epochs" VALUES(2,'277a2f9b15c3',0);
+INSERT INTO "change_epochs" VALUES(3,'d05f03cd19b7',79);
 CREATE TABLE documents (
 	sha256 VARCHAR(64) NOT NULL, 
 	body TEXT NOT NULL, 
@@ -179,12 +180,12 @@ CREATE TABLE evaluations (
 	CONSTRAINT fk_evaluations_campaign_seq_campaigns FOREIGN KEY(campaign_seq) REFERENCES campaigns (seq) ON DELETE CASCADE, 
 	CONSTRAINT fk_evaluations_document_sha256_documents FOREIGN KEY(document_sha256) REFERENCES documents (sha256)
 );
-INSERT INTO "evaluations" VALUES(1,0,0,'initial','[]','[0.0, 0.3333333333333333, -1e-17]','judged','5feceb66ffc86f38d952786c6d696c79c2dbc239dd4e91b46729d73a27fb57e9',2,1,'avoidable',0.0,0.0,0.01,0.02,NULL,0,0,'2026-11-29 14:55:53.194605','{"run_id":"run-0","status":"finished","verdicts":[{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","severity":"major","at_fault":true,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":0.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004},"follows":""},{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":1.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004},"follows":""}],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"7777777777777777777777777777777777777777777777777777777777777777","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',1);
-INSERT INTO "evaluations" VALUES(1,1,0,'initial','[]','[0.1, 0.3333333333333333, -1e-17]','invalid',NULL,0,0,NULL,0.0,0.0,0.01,0.02,NULL,0,0,'2026-11-29 14:55:53.194605','{"run_id":"run-1","status":"invalid","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":{"cause":"invalid_document","message":"too near","log":""},"agents":{},"versions":{}}',0);
-INSERT INTO "evaluations" VALUES(1,2,1,'initial','[]','[0.2, 0.3333333333333333, -1e-17]','failed','d4735e3a265e16eee03f59718b9b5d03019c07d8b6c51f90da3a666eec13ab35',0,0,NULL,0.0,0.0,0.01,0.02,NULL,0,0,'2026-11-29 14:55:53.194605','{"run_id":"run-2","status":"finished","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"7777777777777777777777777777777777777777777777777777777777777777","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',0);
-INSERT INTO "evaluations" VALUES(1,3,1,'mutation','[0]','[0.30000000000000004, 0.3333333333333333, -1e-17]','judged','4e07408562bedb8b60ce05c1decfe3ad16b72230967de01f640b7e4729b49fce',1,0,'not_at_fault',0.0,0.0,0.01,0.02,NULL,0,0,'2026-11-29 14:55:53.194605','{"run_id":"run-3","status":"finished","verdicts":[{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","severity":"major","at_fault":false,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":0.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004},"follows":""}],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"7777777777777777777777777777777777777777777777777777777777777777","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',1);
-INSERT INTO "evaluations" VALUES(1,4,2,'mutation','[0]','[0.4, 0.3333333333333333, -1e-17]','judged','4b227777d4dd1fc61c6f884f48641d02b4d121d3fd328cb08b5531fcacdabf8a',1,1,'avoidable',0.0,0.0,0.01,0.02,NULL,0,0,'2026-11-29 14:55:53.194605','{"run_id":"run-4","status":"finished","verdicts":[{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","severity":"major","at_fault":true,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":0.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004},"follows":""}],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"7777777777777777777777777777777777777777777777777777777777777777","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',1);
-INSERT INTO "evaluations" VALUES(1,5,2,'mutation','[0, 3]','[0.5, 0.3333333333333333, -1e-17]','judged','ef2d127de37b942baad06145e54b0c619a1f22327b2ebbcfbec78f5564afe39d',0,0,NULL,0.0,0.0,0.01,0.02,NULL,0,0,'2026-11-29 14:55:53.194605','{"run_id":"run-5","status":"finished","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"7777777777777777777777777777777777777777777777777777777777777777","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',0);
+INSERT INTO "evaluations" VALUES(1,0,0,'initial','[]','[0.0, 0.3333333333333333, -1e-17]','judged','5feceb66ffc86f38d952786c6d696c79c2dbc239dd4e91b46729d73a27fb57e9',2,1,'avoidable',0.0,0.0,0.01,0.02,NULL,0,0,'2026-11-29 15:14:46.827469','{"run_id":"run-0","status":"finished","verdicts":[{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","severity":"major","at_fault":true,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":0.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004},"follows":""},{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":1.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004},"follows":""}],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"7777777777777777777777777777777777777777777777777777777777777777","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',1);
+INSERT INTO "evaluations" VALUES(1,1,0,'initial','[]','[0.1, 0.3333333333333333, -1e-17]','invalid',NULL,0,0,NULL,0.0,0.0,0.01,0.02,NULL,0,0,'2026-11-29 15:14:46.827469','{"run_id":"run-1","status":"invalid","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":{"cause":"invalid_document","message":"too near","log":""},"agents":{},"versions":{}}',0);
+INSERT INTO "evaluations" VALUES(1,2,1,'initial','[]','[0.2, 0.3333333333333333, -1e-17]','failed','d4735e3a265e16eee03f59718b9b5d03019c07d8b6c51f90da3a666eec13ab35',0,0,NULL,0.0,0.0,0.01,0.02,NULL,0,0,'2026-11-29 15:14:46.827469','{"run_id":"run-2","status":"finished","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"7777777777777777777777777777777777777777777777777777777777777777","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',0);
+INSERT INTO "evaluations" VALUES(1,3,1,'mutation','[0]','[0.30000000000000004, 0.3333333333333333, -1e-17]','judged','4e07408562bedb8b60ce05c1decfe3ad16b72230967de01f640b7e4729b49fce',1,0,'not_at_fault',0.0,0.0,0.01,0.02,NULL,0,0,'2026-11-29 15:14:46.827469','{"run_id":"run-3","status":"finished","verdicts":[{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","severity":"major","at_fault":false,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":0.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004},"follows":""}],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"7777777777777777777777777777777777777777777777777777777777777777","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',1);
+INSERT INTO "evaluations" VALUES(1,4,2,'mutation','[0]','[0.4, 0.3333333333333333, -1e-17]','judged','4b227777d4dd1fc61c6f884f48641d02b4d121d3fd328cb08b5531fcacdabf8a',1,1,'avoidable',0.0,0.0,0.01,0.02,NULL,0,0,'2026-11-29 15:14:46.827469','{"run_id":"run-4","status":"finished","verdicts":[{"oracle":"collision","ego":"ego_0","outcome":"violated","message":"","severity":"major","at_fault":true,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":0.0,"step":null,"location":[1.0,2.0],"counterpart":"","evidence":{"ego_speed":0.30000000000000004},"follows":""}],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"7777777777777777777777777777777777777777777777777777777777777777","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',1);
+INSERT INTO "evaluations" VALUES(1,5,2,'mutation','[0, 3]','[0.5, 0.3333333333333333, -1e-17]','judged','ef2d127de37b942baad06145e54b0c619a1f22327b2ebbcfbec78f5564afe39d',0,0,NULL,0.0,0.0,0.01,0.02,NULL,0,0,'2026-11-29 15:14:46.827469','{"run_id":"run-5","status":"finished","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"7777777777777777777777777777777777777777777777777777777777777777","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',0);
 CREATE TABLE facets (
 	"key" BIGINT NOT NULL, 
 	agent VARCHAR(200) NOT NULL, 
@@ -297,13 +298,13 @@ CREATE TABLE found_failures (
 	CONSTRAINT fk_found_failures_campaign_seq_campaigns FOREIGN KEY(campaign_seq) REFERENCES campaigns (seq) ON DELETE CASCADE, 
 	CONSTRAINT fk_found_failures_run_seq_runs FOREIGN KEY(run_seq) REFERENCES runs (seq) ON DELETE CASCADE
 );
-INSERT INTO "found_failures" VALUES(1,'2026-11-29 14:55:53.119349',NULL,NULL,2,1,1,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'');
-INSERT INTO "found_failures" VALUES(2,'2026-11-29 14:55:53.136457',NULL,NULL,5,2,1,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'');
-INSERT INTO "found_failures" VALUES(3,'2026-11-29 14:55:53.136457',NULL,NULL,5,2,2,'red_light','red_light',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'');
-INSERT INTO "found_failures" VALUES(4,'2026-11-29 14:55:53.194605',1,0,NULL,NULL,0,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'confirmed');
-INSERT INTO "found_failures" VALUES(5,'2026-11-29 14:55:53.194605',1,0,NULL,NULL,1,'collision','collision',NULL,'idm','idm','','tee-town',NULL,'not_judged',1,1,'confirmed');
-INSERT INTO "found_failures" VALUES(6,'2026-11-29 14:55:53.194605',1,3,NULL,NULL,0,'collision','collision',NULL,'idm','idm','','tee-town',0,'not_at_fault',1,1,'flaky');
-INSERT INTO "found_failures" VALUES(7,'2026-11-29 14:55:53.194605',1,4,NULL,NULL,0,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'open');
+INSERT INTO "found_failures" VALUES(1,'2026-11-29 15:14:46.747518',NULL,NULL,2,1,1,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'');
+INSERT INTO "found_failures" VALUES(2,'2026-11-29 15:14:46.764254',NULL,NULL,5,2,1,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'');
+INSERT INTO "found_failures" VALUES(3,'2026-11-29 15:14:46.764254',NULL,NULL,5,2,2,'red_light','red_light',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'');
+INSERT INTO "found_failures" VALUES(4,'2026-11-29 15:14:46.827469',1,0,NULL,NULL,0,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'confirmed');
+INSERT INTO "found_failures" VALUES(5,'2026-11-29 15:14:46.827469',1,0,NULL,NULL,1,'collision','collision',NULL,'idm','idm','','tee-town',NULL,'not_judged',1,1,'confirmed');
+INSERT INTO "found_failures" VALUES(6,'2026-11-29 15:14:46.827469',1,3,NULL,NULL,0,'collision','collision',NULL,'idm','idm','','tee-town',0,'not_at_fault',1,1,'flaky');
+INSERT INTO "found_failures" VALUES(7,'2026-11-29 15:14:46.827469',1,4,NULL,NULL,0,'collision','collision',NULL,'idm','idm','','tee-town',1,'avoidable',1,1,'open');
 CREATE TABLE idempotency_keys (
 	"key" VARCHAR(255) NOT NULL, 
 	fingerprint VARCHAR(64) NOT NULL, 
@@ -311,7 +312,7 @@ CREATE TABLE idempotency_keys (
 	created_at DATETIME NOT NULL, 
 	CONSTRAINT pk_idempotency_keys PRIMARY KEY ("key")
 );
-INSERT INTO "idempotency_keys" VALUES('key','ffffffffffffffffffffffffffffffffffffffffffffffffffffffffffffffff','01a227ce2c902254b74a512d','2026-11-29 14:55:53.157826');
+INSERT INTO "idempotency_keys" VALUES('key','ffffffffffffffffffffffffffffffffffffffffffffffffffffffffffffffff','01a227df7865643d9ef71013','2026-11-29 15:14:46.798265');
 CREATE TABLE minimizations (
 	seq INTEGER NOT NULL, 
 	id VARCHAR(40) NOT NULL, 
@@ -340,8 +341,8 @@ CREATE TABLE owners (
 	ended_at DATETIME, 
 	CONSTRAINT pk_owners PRIMARY KEY (id)
 );
-INSERT INTO "owners" VALUES('01a227ce2c734f1d2722691f','vm',30665,'2026-11-29 14:55:52.947681','2026-11-29 14:55:52.947681',NULL);
-INSERT INTO "owners" VALUES('01a227ce2c89aafaf62f204a','vm',30665,'2026-11-29 14:55:52.969009','2026-11-29 14:55:52.969009','2026-11-29 14:55:53.155159');
+INSERT INTO "owners" VALUES('01a227df782d4fb20e34d336','vm',15154,'2026-11-29 15:14:46.445706','2026-11-29 15:14:46.445706',NULL);
+INSERT INTO "owners" VALUES('01a227df78542cb301d9ccf1','vm',15154,'2026-11-29 15:14:46.484369','2026-11-29 15:14:46.484369','2026-11-29 15:14:46.796511');
 CREATE TABLE quarantine (
 	"key" VARCHAR(64) NOT NULL, 
 	document_sha256 VARCHAR(64) NOT NULL, 
@@ -353,7 +354,7 @@ CREATE TABLE quarantine (
 	created_at DATETIME NOT NULL, 
 	CONSTRAINT pk_quarantine PRIMARY KEY ("key")
 );
-INSERT INTO "quarantine" VALUES('a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','01a227ce2ce06a0cbdf041cc','signal','SIGSEGV','died of SIGSEGV','last line','2026-11-29 14:55:53.134096');
+INSERT INTO "quarantine" VALUES('a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','01a227df790acf8696eff2d9','signal','SIGSEGV','died of SIGSEGV','last line','2026-11-29 15:14:46.758523');
 CREATE TABLE reports (
 	run_seq INTEGER NOT NULL, 
 	body TEXT NOT NULL, 
@@ -361,17 +362,17 @@ CREATE TABLE reports (
 	CONSTRAINT pk_reports PRIMARY KEY (run_seq), 
 	CONSTRAINT fk_reports_run_seq_runs FOREIGN KEY(run_seq) REFERENCES runs (seq) ON DELETE CASCADE
 );
-INSERT INTO "reports" VALUES(1,'{"run_id":"01a227ce2c902254b74a512d","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"1111111111111111111111111111111111111111111111111111111111111111","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
-INSERT INTO "reports" VALUES(2,'{"run_id":"01a227ce2c90b9c3e65be1b2","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""},{"oracle":"collision","ego":"ego","outcome":"violated","message":"collision","severity":"major","at_fault":true,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":1.0,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
-INSERT INTO "reports" VALUES(4,'{"run_id":"01a227ce2ce06a0cbdf041cc","status":"simulator_crashed","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":{"cause":"signal","message":"died of SIGSEGV","log":"last line"},"agents":{},"versions":{}}',NULL);
-INSERT INTO "reports" VALUES(5,'{"run_id":"01a227ce2ce02f152ae9fe25","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""},{"oracle":"collision","ego":"ego","outcome":"violated","message":"collision","severity":"major","at_fault":true,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":1.0,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""},{"oracle":"red_light","ego":"ego","outcome":"violated","message":"red_light","severity":"major","at_fault":true,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":1.0,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
-INSERT INTO "reports" VALUES(7,'{"run_id":"01a227ce2ce0a2c9ade35535","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
-INSERT INTO "reports" VALUES(8,'{"run_id":"01a227ce2ce06c6a90d096ea","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
-INSERT INTO "reports" VALUES(9,'{"run_id":"01a227ce2ce0e4dc1d76cebd","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
-INSERT INTO "reports" VALUES(10,'{"run_id":"01a227ce2ce0e347cf1ac958","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
-INSERT INTO "reports" VALUES(15,'{"run_id":"01a227ce2ced7582d91adf10","status":"cancelled","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":{"cause":"cancelled","message":"the run was cancelled","log":""},"agents":{},"versions":{}}',NULL);
-INSERT INTO "reports" VALUES(16,'{"run_id":"01a227ce2ced9a64025bacef","status":"cancelled","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":{"cause":"cancelled","message":"the run was cancelled","log":""},"agents":{},"versions":{}}',NULL);
-INSERT INTO "reports" VALUES(17,'{"run_id":"01a227ce2d340a10de3aff4b","status":"simulator_crashed","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":{"cause":"quarantined","message":"not run again: it crashed the simulator in run 01a227ce2ce06a0cbdf041cc (died of SIGSEGV)","log":"last line"},"agents":{},"versions":{}}',NULL);
+INSERT INTO "reports" VALUES(1,'{"run_id":"01a227df7865643d9ef71013","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"1111111111111111111111111111111111111111111111111111111111111111","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
+INSERT INTO "reports" VALUES(2,'{"run_id":"01a227df7865f0c54afda9bb","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""},{"oracle":"collision","ego":"ego","outcome":"violated","message":"collision","severity":"major","at_fault":true,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":1.0,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
+INSERT INTO "reports" VALUES(4,'{"run_id":"01a227df790acf8696eff2d9","status":"simulator_crashed","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":{"cause":"signal","message":"died of SIGSEGV","log":"last line"},"agents":{},"versions":{}}',NULL);
+INSERT INTO "reports" VALUES(5,'{"run_id":"01a227df790aab06e91cca73","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""},{"oracle":"collision","ego":"ego","outcome":"violated","message":"collision","severity":"major","at_fault":true,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":1.0,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""},{"oracle":"red_light","ego":"ego","outcome":"violated","message":"red_light","severity":"major","at_fault":true,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":1.0,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
+INSERT INTO "reports" VALUES(7,'{"run_id":"01a227df790ae3d737e9c015","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
+INSERT INTO "reports" VALUES(8,'{"run_id":"01a227df790a22aacfc721d6","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
+INSERT INTO "reports" VALUES(9,'{"run_id":"01a227df790a8c77df73eb64","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
+INSERT INTO "reports" VALUES(10,'{"run_id":"01a227df790a8171fcd405a9","status":"finished","verdicts":[{"oracle":"arrival","ego":"ego","outcome":"passed","message":"arrived","severity":"major","at_fault":null,"undetermined":false,"avoidable":null,"physically_avoidable":null,"time":null,"step":null,"location":null,"counterpart":"","evidence":{},"follows":""}],"metrics":{"speed":3.0,"gap":null},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":10,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":null,"agents":{},"versions":{}}',NULL);
+INSERT INTO "reports" VALUES(15,'{"run_id":"01a227df791a53548e92bbf8","status":"cancelled","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":{"cause":"cancelled","message":"the run was cancelled","log":""},"agents":{},"versions":{}}',NULL);
+INSERT INTO "reports" VALUES(16,'{"run_id":"01a227df791ac138b9366311","status":"cancelled","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":{"cause":"cancelled","message":"the run was cancelled","log":""},"agents":{},"versions":{}}',NULL);
+INSERT INTO "reports" VALUES(17,'{"run_id":"01a227df7974acbbaaf03107","status":"simulator_crashed","verdicts":[],"metrics":{},"scores":{},"measurement":null,"trace_sha256":"","egos_sha256":"","without_effect":[],"steps":0,"sim_time_s":0.0,"wall_time_s":0.0,"step_cost_us":0.0,"agent_cost_us":{},"privileged":[],"failure":{"cause":"quarantined","message":"not run again: it crashed the simulator in run 01a227df790acf8696eff2d9 (died of SIGSEGV)","log":"last line"},"agents":{},"versions":{}}',NULL);
 CREATE TABLE runs (
 	seq INTEGER NOT NULL, 
 	id VARCHAR(40) NOT NULL, 
@@ -416,23 +417,23 @@ CREATE TABLE runs (
 	CONSTRAINT fk_runs_batch_seq_batches FOREIGN KEY(batch_seq) REFERENCES batches (seq), 
 	CONSTRAINT fk_runs_document_sha256_documents FOREIGN KEY(document_sha256) REFERENCES documents (sha256)
 );
-INSERT INTO "runs" VALUES(1,'01a227ce2c902254b74a512d',34,1,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 14:55:52.978732','2026-11-29 14:55:53.113857','2026-11-29 14:55:53.119325',0,1,0,0,0,NULL,0,0,0,0,NULL,10,0.0,0.0,'1111111111111111111111111111111111111111111111111111111111111111',8463407477753882159);
-INSERT INTO "runs" VALUES(2,'01a227ce2c90b9c3e65be1b2',35,1,1,'','cd80994abb0d1e0465acdc560717676578c1774f461babbe67b4b131497a6305','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 14:55:52.978732','2026-11-29 14:55:53.113857','2026-11-29 14:55:53.119349',0,1,0,0,0,NULL,1,1,0,1,'avoidable',10,0.0,0.0,'',6402252806136511734);
-INSERT INTO "runs" VALUES(3,'01a227ce2c90eb0587be527d',32,1,2,'','f5e1420e13fd6cca6b2b875d53d06576439e4afec75fcc4a98d7b3b69b10b17e','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'running','','2026-11-29 14:55:52.978732','2026-11-29 14:55:53.113857',NULL,0,1,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',9189786221799453301);
-INSERT INTO "runs" VALUES(4,'01a227ce2ce06a0cbdf041cc',51,2,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'simulator_crashed','signal','2026-11-29 14:55:53.057311','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.131503',0,2,0,2,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',1126162244662291354);
-INSERT INTO "runs" VALUES(5,'01a227ce2ce02f152ae9fe25',54,2,1,'','cd80994abb0d1e0465acdc560717676578c1774f461babbe67b4b131497a6305','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 14:55:53.057311','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.136457',0,1,0,0,0,NULL,2,2,0,2,'avoidable',10,0.0,0.0,'',6402252806136511734);
-INSERT INTO "runs" VALUES(6,'01a227ce2ce0c6a07825e786',67,2,2,'','f5e1420e13fd6cca6b2b875d53d06576439e4afec75fcc4a98d7b3b69b10b17e','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'running','','2026-11-29 14:55:53.057311','2026-11-29 14:55:53.126907',NULL,0,2,1,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',9189786221799453301);
-INSERT INTO "runs" VALUES(7,'01a227ce2ce0a2c9ade35535',56,2,3,'','c7401b91208af75ed9bdf943e87800172f9871b7662e0d30952e12ce41432b42','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 14:55:53.057311','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.138334',0,1,0,0,0,NULL,0,0,0,0,NULL,10,0.0,0.0,'',8463407477753882159);
-INSERT INTO "runs" VALUES(8,'01a227ce2ce06c6a90d096ea',57,2,4,'','79bc9b3597a171a403b40fdc3ce66d411aa88ffdf527e2766465408430cfda51','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 14:55:53.057311','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.138348',0,1,0,0,0,NULL,0,0,0,0,NULL,10,0.0,0.0,'',8463407477753882159);
-INSERT INTO "runs" VALUES(9,'01a227ce2ce0e4dc1d76cebd',58,2,5,'','caf8b22a0011849577800b93050eeca10cca7b856c90bcc5b2200ce21ed1ec22','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 14:55:53.057311','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.138357',0,1,0,0,0,NULL,0,0,0,0,NULL,10,0.0,0.0,'',8463407477753882159);
-INSERT INTO "runs" VALUES(10,'01a227ce2ce0e347cf1ac958',59,2,6,'','bcd69d66128edb57808dbd5522ef9f1a82acc53a5211bf8936ab7e90e501afb4','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 14:55:53.057311','2026-11-29 14:55:53.126907','2026-11-29 14:55:53.138364',0,1,0,0,0,NULL,0,0,0,0,NULL,10,0.0,0.0,'',8463407477753882159);
-INSERT INTO "runs" VALUES(11,'01a227ce2ce00ed86882d0db',65,2,7,'','d56a5b5f9f0826672864fbd0f06a3c4b221a1be6350097ba49eb555128767fda','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'running','','2026-11-29 14:55:53.057311','2026-11-29 14:55:53.126907',NULL,1,1,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',9189786221799453301);
-INSERT INTO "runs" VALUES(12,'01a227ce2ce02a254d61f61a',45,2,8,'','8ffab84f301293229d1be75efb0dca213eb538579de22b842b941f7363090616','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'running','','2026-11-29 14:55:53.057311','2026-11-29 14:55:53.126907',NULL,0,1,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',9189786221799453301);
-INSERT INTO "runs" VALUES(13,'01a227ce2cea3d0ce17abd13',19,3,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'queued','','2026-11-29 14:55:53.067516',NULL,NULL,0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',2723149239750009280);
-INSERT INTO "runs" VALUES(14,'01a227ce2cea04660dad442c',20,3,1,'','0f2a693e93e2ed7008feb5b7714bbab236e3907e64188199e3be1ae367f49c40','grid','krauss','krauss','','',NULL,'',NULL,1,NULL,'queued','','2026-11-29 14:55:53.067516',NULL,NULL,0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',4027394518245958855);
-INSERT INTO "runs" VALUES(15,'01a227ce2ced7582d91adf10',29,4,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'cancelled','cancelled','2026-11-29 14:55:53.070339',NULL,'2026-11-29 14:55:53.089290',0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',2422866546981553484);
-INSERT INTO "runs" VALUES(16,'01a227ce2ced9a64025bacef',27,4,1,'','0f2a693e93e2ed7008feb5b7714bbab236e3907e64188199e3be1ae367f49c40','grid','krauss','krauss','','',NULL,'',NULL,1,NULL,'cancelled','cancelled','2026-11-29 14:55:53.070339',NULL,'2026-11-29 14:55:53.089290',0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',727384556823528832);
-INSERT INTO "runs" VALUES(17,'01a227ce2d340a10de3aff4b',63,1,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'simulator_crashed','quarantined','2026-11-29 14:55:53.141263',NULL,'2026-11-29 14:55:53.141263',0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',1126162244662291354);
+INSERT INTO "runs" VALUES(1,'01a227df7865643d9ef71013',34,1,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 15:14:46.508285','2026-11-29 15:14:46.740244','2026-11-29 15:14:46.747496',0,1,0,0,0,NULL,0,0,0,0,NULL,10,0.0,0.0,'1111111111111111111111111111111111111111111111111111111111111111',8463407477753882159);
+INSERT INTO "runs" VALUES(2,'01a227df7865f0c54afda9bb',35,1,1,'','cd80994abb0d1e0465acdc560717676578c1774f461babbe67b4b131497a6305','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 15:14:46.508285','2026-11-29 15:14:46.740244','2026-11-29 15:14:46.747518',0,1,0,0,0,NULL,1,1,0,1,'avoidable',10,0.0,0.0,'',6402252806136511734);
+INSERT INTO "runs" VALUES(3,'01a227df7865995db7d0d1c9',32,1,2,'','f5e1420e13fd6cca6b2b875d53d06576439e4afec75fcc4a98d7b3b69b10b17e','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'running','','2026-11-29 15:14:46.508285','2026-11-29 15:14:46.740244',NULL,0,1,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',9189786221799453301);
+INSERT INTO "runs" VALUES(4,'01a227df790acf8696eff2d9',51,2,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'simulator_crashed','signal','2026-11-29 15:14:46.666918','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.756647',0,2,0,2,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',1126162244662291354);
+INSERT INTO "runs" VALUES(5,'01a227df790aab06e91cca73',54,2,1,'','cd80994abb0d1e0465acdc560717676578c1774f461babbe67b4b131497a6305','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 15:14:46.666918','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.764254',0,1,0,0,0,NULL,2,2,0,2,'avoidable',10,0.0,0.0,'',6402252806136511734);
+INSERT INTO "runs" VALUES(6,'01a227df790a06c473b1b041',67,2,2,'','f5e1420e13fd6cca6b2b875d53d06576439e4afec75fcc4a98d7b3b69b10b17e','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'running','','2026-11-29 15:14:46.666918','2026-11-29 15:14:46.752697',NULL,0,2,1,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',9189786221799453301);
+INSERT INTO "runs" VALUES(7,'01a227df790ae3d737e9c015',56,2,3,'','c7401b91208af75ed9bdf943e87800172f9871b7662e0d30952e12ce41432b42','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 15:14:46.666918','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.765936',0,1,0,0,0,NULL,0,0,0,0,NULL,10,0.0,0.0,'',8463407477753882159);
+INSERT INTO "runs" VALUES(8,'01a227df790a22aacfc721d6',57,2,4,'','79bc9b3597a171a403b40fdc3ce66d411aa88ffdf527e2766465408430cfda51','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 15:14:46.666918','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.765950',0,1,0,0,0,NULL,0,0,0,0,NULL,10,0.0,0.0,'',8463407477753882159);
+INSERT INTO "runs" VALUES(9,'01a227df790a8c77df73eb64',58,2,5,'','caf8b22a0011849577800b93050eeca10cca7b856c90bcc5b2200ce21ed1ec22','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 15:14:46.666918','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.765958',0,1,0,0,0,NULL,0,0,0,0,NULL,10,0.0,0.0,'',8463407477753882159);
+INSERT INTO "runs" VALUES(10,'01a227df790a8171fcd405a9',59,2,6,'','bcd69d66128edb57808dbd5522ef9f1a82acc53a5211bf8936ab7e90e501afb4','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'finished','','2026-11-29 15:14:46.666918','2026-11-29 15:14:46.752697','2026-11-29 15:14:46.765967',0,1,0,0,0,NULL,0,0,0,0,NULL,10,0.0,0.0,'',8463407477753882159);
+INSERT INTO "runs" VALUES(11,'01a227df790ad61797220235',65,2,7,'','d56a5b5f9f0826672864fbd0f06a3c4b221a1be6350097ba49eb555128767fda','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'running','','2026-11-29 15:14:46.666918','2026-11-29 15:14:46.752697',NULL,1,1,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',9189786221799453301);
+INSERT INTO "runs" VALUES(12,'01a227df790a36d3c5c56a27',45,2,8,'','8ffab84f301293229d1be75efb0dca213eb538579de22b842b941f7363090616','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'running','','2026-11-29 15:14:46.666918','2026-11-29 15:14:46.752697',NULL,0,1,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',9189786221799453301);
+INSERT INTO "runs" VALUES(13,'01a227df79186a2093005fa1',19,3,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'queued','','2026-11-29 15:14:46.681346',NULL,NULL,0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',2723149239750009280);
+INSERT INTO "runs" VALUES(14,'01a227df791826f048998ac1',20,3,1,'','0f2a693e93e2ed7008feb5b7714bbab236e3907e64188199e3be1ae367f49c40','grid','krauss','krauss','','',NULL,'',NULL,1,NULL,'queued','','2026-11-29 15:14:46.681346',NULL,NULL,0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',4027394518245958855);
+INSERT INTO "runs" VALUES(15,'01a227df791a53548e92bbf8',29,4,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'cancelled','cancelled','2026-11-29 15:14:46.683164',NULL,'2026-11-29 15:14:46.693026',0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',2422866546981553484);
+INSERT INTO "runs" VALUES(16,'01a227df791ac138b9366311',27,4,1,'','0f2a693e93e2ed7008feb5b7714bbab236e3907e64188199e3be1ae367f49c40','grid','krauss','krauss','','',NULL,'',NULL,1,NULL,'cancelled','cancelled','2026-11-29 15:14:46.683164',NULL,'2026-11-29 15:14:46.693026',0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',727384556823528832);
+INSERT INTO "runs" VALUES(17,'01a227df7974acbbaaf03107',63,1,0,'','a00644508de97e85263c9d0cd67e63d3c3b5d733bcaddc65b110e501ad5a7b73','tee-town','idm','idm','','',NULL,'',NULL,1,NULL,'simulator_crashed','quarantined','2026-11-29 15:14:46.772951',NULL,'2026-11-29 15:14:46.772951',0,0,0,0,0,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,NULL,'',1126162244662291354);
 CREATE TABLE slots (
 	owner_id VARCHAR(40) NOT NULL, 
 	name VARCHAR(100) NOT NULL, 
@@ -509,20 +510,20 @@ INSERT INTO "verdicts" VALUES(1,2,'collision','ego','violated','major',1,'avoida
 INSERT INTO "verdicts" VALUES(2,5,'collision','ego','violated','major',1,'avoidable',1.0,'',2,6402252806136511734);
 INSERT INTO "verdicts" VALUES(3,5,'red_light','ego','violated','major',1,'avoidable',1.0,'',2,6402252806136511734);
 CREATE INDEX ix_idempotency_keys_created_at ON idempotency_keys (created_at);
+CREATE INDEX ix_campaigns_study ON campaigns (study_id, state, seq);
 CREATE INDEX ix_campaigns_revision ON campaigns (revision);
 CREATE INDEX ix_campaigns_batch ON campaigns (batch_id) WHERE batch_id != '';
 CREATE INDEX ix_campaigns_state ON campaigns (state, seq);
-CREATE INDEX ix_campaigns_study ON campaigns (study_id, state, seq);
 CREATE INDEX ix_studies_revision ON studies (revision);
 CREATE INDEX ix_failure_groups_into_seq ON failure_groups (into_seq);
 CREATE INDEX ix_failure_groups_revision ON failure_groups (revision);
-CREATE INDEX ix_minimizations_run ON minimizations (run_id, seq);
 CREATE INDEX ix_minimizations_revision ON minimizations (revision);
 CREATE INDEX ix_minimizations_active ON minimizations (owner_id, seq) WHERE state IN ('queued', 'running');
+CREATE INDEX ix_minimizations_run ON minimizations (run_id, seq);
+CREATE INDEX ix_batches_owner ON batches (owner_id) WHERE owner_id != '';
+CREATE INDEX ix_batches_revision ON batches (revision);
 CREATE INDEX ix_batches_priority ON batches (priority, seq);
 CREATE INDEX ix_batches_claimable ON batches (priority, served, seq) WHERE queued > 0 AND state = 'open';
-CREATE INDEX ix_batches_revision ON batches (revision);
-CREATE INDEX ix_batches_owner ON batches (owner_id) WHERE owner_id != '';
 CREATE INDEX ix_quarantine_document_sha256 ON quarantine (document_sha256);
 CREATE INDEX ix_suite_runs_suite ON suite_runs (suite, seq);
 CREATE INDEX ix_suite_runs_revision ON suite_runs (revision);
@@ -533,20 +534,20 @@ CREATE INDEX ix_evaluations_generation ON evaluations (campaign_seq, generation,
 CREATE INDEX ix_failures_filters ON failures (campaign_seq, number, place, oracle, kind, at_fault, accountability, confirmation);
 CREATE INDEX ix_failure_group_names_group_seq ON failure_group_names (group_seq);
 CREATE INDEX ix_failure_group_changes_group ON failure_group_changes (group_seq, seq);
-CREATE INDEX ix_runs_held ON runs (not_before, status) WHERE not_before IS NOT NULL;
-CREATE INDEX ix_runs_revision ON runs (revision);
 CREATE INDEX ix_runs_ended ON runs (ended_at) WHERE ended_at IS NOT NULL;
 CREATE INDEX ix_runs_to_cancel ON runs (seq) WHERE status = 'running' AND cancel_requested;
-CREATE INDEX ix_runs_facet ON runs (facet, seq);
-CREATE INDEX ix_runs_queued ON runs (batch_seq, seq) WHERE status = 'queued';
+CREATE INDEX ix_runs_revision ON runs (revision);
+CREATE INDEX ix_runs_held ON runs (not_before, status) WHERE not_before IS NOT NULL;
 CREATE INDEX ix_runs_document_facet ON runs (document_sha256, facet, seq);
+CREATE INDEX ix_runs_queued ON runs (batch_seq, seq) WHERE status = 'queued';
 CREATE INDEX ix_runs_batch_facet ON runs (batch_seq, facet, seq);
+CREATE INDEX ix_runs_facet ON runs (facet, seq);
 CREATE INDEX ix_verdicts_run_seq ON verdicts (run_seq);
-CREATE INDEX ix_verdicts_batch_facet ON verdicts (batch_seq, oracle, outcome, at_fault, facet, run_seq);
 CREATE INDEX ix_verdicts_facet ON verdicts (oracle, outcome, at_fault, facet, run_seq);
+CREATE INDEX ix_verdicts_batch_facet ON verdicts (batch_seq, oracle, outcome, at_fault, facet, run_seq);
 CREATE INDEX ix_attempts_leases ON attempts (owner_id) WHERE ended_at IS NULL;
 CREATE INDEX ix_found_failures_run ON found_failures (run_seq);
 CREATE INDEX ix_found_failures_group ON found_failures (group_name, group_seq, accountability, campaign_seq, town, oracle, agent, at_fault, confirmation, batch_seq, found_at, configuration_id, is_counted, is_violation);
-CREATE INDEX ix_found_failures_campaign ON found_failures (campaign_seq, number, place);
 CREATE INDEX ix_found_failures_group_seq ON found_failures (group_seq);
+CREATE INDEX ix_found_failures_campaign ON found_failures (campaign_seq, number, place);
 COMMIT;

@@ -1,6 +1,6 @@
-"""Campaigns know the runs of their seed scenarios, and how often the ADS itself failed.
+"""Campaigns know the runs of their seed scenarios, how often the ADS itself failed, and others did.
 
-The count is null for campaigns from before: it is in the reports of their evaluations only.
+The counts are null for campaigns from before: they are in the reports of their evaluations only.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ def upgrade() -> None:
         "campaigns", sa.Column("seed_runs", sa.Text(), server_default="[]", nullable=False)
     )
     op.add_column("campaigns", sa.Column("agent_failed", sa.Integer(), nullable=True))
+    op.add_column("campaigns", sa.Column("not_at_fault", sa.Integer(), nullable=True))
 
 
 def downgrade() -> None:

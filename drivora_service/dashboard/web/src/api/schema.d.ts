@@ -2370,6 +2370,12 @@ export interface components {
              */
             judged: number;
             /**
+             * Not At Fault
+             * @description Candidates with violations at the fault of others only, none that this driver is known to avoid, whether the campaign counts them or not; null likewise.
+             * @default 0
+             */
+            not_at_fault: number | null;
+            /**
              * Preventable
              * @description Candidates with violations at the fault of others only, one that this driver avoids, likewise; null if the campaign was judged before this was recorded.
              * @default 0

@@ -115,6 +115,7 @@ function beside(counts: Schemas["CampaignCounts"]): string {
     [counts.unavoidable, "at fault but not avoidable"],
     [counts.undetermined, "of undetermined fault"],
     [counts.preventable, "not at fault, but avoidable"],
+    [counts.not_at_fault, "not at fault"],
   ] as const;
   const told = parts.flatMap(([number, words]) => (number ? [`${count(number)} ${words}`] : []));
   return told.length > 0 ? `; simulations ${told.join(", ")}` : "";
