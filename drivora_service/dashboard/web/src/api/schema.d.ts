@@ -16355,7 +16355,7 @@ export interface operations {
                      *     drivora_database_bytes 1000000.0
                      *     # HELP drivora_slot_busy Whether a worker slot runs something
                      *     # TYPE drivora_slot_busy gauge
-                     *     drivora_slot_busy{slot="slot-0"} 1.0
+                     *     drivora_slot_busy{slot="slot-0"} 0.0
                      *     # HELP drivora_slot_memory_bytes Memory of a slot's worker
                      *     # TYPE drivora_slot_memory_bytes gauge
                      *     drivora_slot_memory_bytes{slot="slot-0"} 200000000.0
