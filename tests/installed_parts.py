@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import shutil
+import sys
 from pathlib import Path
 
 import pytest
@@ -38,6 +39,9 @@ def install_parts(
     (site / "more_parts.py").write_text(code)
     (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {PACKAGE}\nVersion: 0.1\n")
     (info / "entry_points.txt").write_text(parts)
+    # Another test may have imported modules of these names from a folder of its own.
+    for module in ("own_parts", "more_parts"):
+        sys.modules.pop(module, None)
     monkeypatch.syspath_prepend(str(site))
     importlib.invalidate_caches()
 
