@@ -127,6 +127,15 @@ def test_seeds_that_do_not_exist_end_with_the_reason(drivora: Drivora, tmp_path:
     assert len(ended.err) > 20
     contradiction = "--num 2 --town tee-town --min-length 200 --max-length 100"
     assert drivora("seeds", "generate", *contradiction.split()).code == 2
+    one = ("seeds", "generate", "--town", "tee-town", "--num", "1", "--out", tmp_path / "set")
+    assert drivora(*one, "--agent-parameter", "speed_factor=0.8").code == 0
+    (written,) = (tmp_path / "set").glob("*.json")
+    (ego,) = json.loads(written.read_text())["ego_vehicles"]
+    assert ego["agent"] == {"name": "idm", "parameters": {"speed_factor": 0.8}}
+    for wrong, said in (("speed=1", "has no parameter 'speed'"), ("other:a=1", "have one ego")):
+        refused = drivora(*one, "--agent-parameter", wrong)
+        assert refused.code == 2
+        assert said in refused.err
     assert drivora("seeds", "generate", "--town", "Nowhere").code == 2
 
 

@@ -9,7 +9,7 @@ import typer
 
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.scenarios.seeds_rate_command import rate
-from drivora_service.cli.terminal.options import DataDirOption
+from drivora_service.cli.terminal.options import AgentParameterOption, DataDirOption
 from drivora_service.cli.terminal.output import JsonOption, fail, note, print_json
 
 app = typer.Typer(help="Seed scenarios: generated, imported, rated.", no_args_is_help=True)
@@ -25,6 +25,7 @@ def generate(
     max_length: Annotated[float, typer.Option(help="Longest route, metres.")] = 200.0,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random draws.")] = 0,
     agent: Annotated[str, typer.Option(help="Drives the egos.")] = "idm",
+    agent_parameter: AgentParameterOption = None,
     out: OutOption = Path("scenario_datasets"),
     data_dir: DataDirOption = None,
     as_json: JsonOption = False,
@@ -35,13 +36,16 @@ def generate(
     """
     from drivora_service.agents.catalogue import AgentCatalogue
     from drivora_service.cli.application.installation import network_catalogue, settings_for
+    from drivora_service.cli.scenarios.seed_agents import read_parameters_of, with_parameters
     from drivora_service.errors import ConfigurationError, InvalidDocument, NetworkError
     from drivora_service.scenario.documents import document_text
     from drivora_service.scenario.seed_generation import generate_seeds
 
     settings = settings_for(data_dir)
     network = network_catalogue(settings).get(town)
-    AgentCatalogue(folder=settings.agents_folder).entry(agent)
+    agents = AgentCatalogue(folder=settings.agents_folder)
+    agents.entry(agent)
+    parameters = read_parameters_of(agents, agent, agent_parameter or ())
     try:
         seeds = generate_seeds(
             network,
@@ -59,7 +63,7 @@ def generate(
     try:
         for number, document in enumerate(seeds, start=1):
             path = out / f"{town}_{number:04d}.json"
-            path.write_text(document_text(document))
+            path.write_text(document_text(with_parameters(document, parameters)))
             written.append(str(path))
     except NetworkError as error:
         short_of = str(error)
