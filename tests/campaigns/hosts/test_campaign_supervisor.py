@@ -116,8 +116,12 @@ class Service:
 
     def engine(self, campaign_id: str) -> int:
         """Returns the process of a campaign, once it has queued as many runs as may wait."""
-        wait_until(lambda: self.queued_runs(campaign_id) == 8)
+        wait_until(lambda: self.queued_runs(campaign_id) == WAITING)
         return self.engine_pid(campaign_id)
+
+
+WAITING = 9
+"""Runs of a campaign that wait: its eight candidates and its seed scenario."""
 
 
 def wait_until(condition: Callable[[], bool]) -> None:
@@ -160,7 +164,7 @@ def test_the_next_supervisor_resumes_a_campaign_and_queues_nothing_twice(
     wait_until(lambda: service.engine_pid(campaign) != first)
     service.ask(campaign, CampaignRequest.PAUSE)
     service.until(CampaignState.PAUSED, campaign)
-    assert service.queued_runs(campaign) == 8
+    assert service.queued_runs(campaign) == WAITING
 
 
 def test_only_so_many_run_at_once(service: Service, content: dict[str, Any]) -> None:
