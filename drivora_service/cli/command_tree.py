@@ -12,7 +12,7 @@ _VERBOSE = "--verbose"
 
 
 def complete_commands(root: Any) -> None:
-    """Gives every command the option ``-v`` of the root, and its examples.
+    """Adds the option ``-v`` of the root and the examples to every command.
 
     Does nothing to a tree that has been completed.
 

@@ -24,7 +24,7 @@ class ObjectiveValues(dict[str, float | None]):
         """
         raise UnknownObjective(name, tuple(self))
 
-    def get(self, name: str, default: float | None = None) -> float | None:  # type: ignore[override]
+    def get(self, name: str, default: float | None = None) -> float | None:  # type: ignore[override] # no overloads
         """Returns the value of an objective; the default if it is not measurable.
 
         Raises:

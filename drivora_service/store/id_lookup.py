@@ -20,7 +20,10 @@ _MOST_NAMED = 10
 _MOST_SEARCHED, _MOST_NEAR = 200, 3
 """Number of the newest names in which similar ones are sought, and of those that are shown."""
 
-_PREFIX = re.compile(r"[0-9a-f]{1,24}")
+LEAST_DIGITS = 4
+"""Digits of an id that stand for it: a mistyped number must not name a run or a campaign."""
+
+_PREFIX = re.compile(rf"[0-9a-f]{{{LEAST_DIGITS},24}}")
 _EVALUATION = re.compile(r"(?P<campaign>.+)-(?P<number>\d{1,9})")
 
 _RUN_SOMETHING = "run scenarios with `drivora run SCENARIO`"

@@ -98,7 +98,9 @@ def test_results_outlive_the_packages_that_made_them(
     assert report.code == 0
     assert "| coverage of the gene space | " in report.out
     assert "Coverage and times are not known" not in report.out
-    assert "| searched by, in place of its own objectives | maximise walker_speed_mps |" in report.out
+    assert (
+        "| searched by, in place of its own objectives | maximise walker_speed_mps |" in report.out
+    )
     for command in (
         ("campaign", "show", campaign["id"]),
         ("campaign", "show", campaign["id"], "--evaluation", "0"),

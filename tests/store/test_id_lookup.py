@@ -8,7 +8,7 @@ from drivora_service.agents.configuration import AgentConfiguration
 from drivora_service.errors import AmbiguousName, UnknownName
 from drivora_service.store.database import Database
 from drivora_service.store.failures.group_records import NewDecision, group_id
-from drivora_service.store.id_lookup import find_id
+from drivora_service.store.id_lookup import LEAST_DIGITS, find_id
 from drivora_service.store.id_records import FoundId, IdKind, is_whole_id
 from drivora_service.store.runs.run_records import Batch, Priority
 from tests.store.campaigns.test_campaign_repository import create
@@ -62,14 +62,21 @@ def test_the_first_digits_of_an_id_are_enough_if_no_other_id_begins_so(
     ):
         digits = next(
             n
-            for n in range(1, 25)
+            for n in range(LEAST_DIGITS, 25)
             if not before.startswith(own[:n]) and not after.startswith(own[:n])
         )
         assert found(database, own[:digits], IdKind.BATCH).id == own, place
-        if digits > 1:
+        if digits > LEAST_DIGITS:
             with pytest.raises(AmbiguousName) as raised:
                 found(database, own[: digits - 1], IdKind.BATCH)
             assert own in str(raised.value)
+
+
+def test_a_few_digits_name_nothing(database: Database, batches: list[Batch]) -> None:
+    alone = batches[0].id
+    for digits in range(1, LEAST_DIGITS):
+        with pytest.raises(UnknownName):
+            found(database, alone[:digits], IdKind.BATCH)
 
 
 def test_a_name_of_several_is_refused_with_all_of_them_the_newest_first(

@@ -34,7 +34,7 @@ class BirdsEyeRaster:
     """
 
     def __init__(self, context: AgentContext, settings: RasterSettings) -> None:
-        """Prepares the map and the route, and loads the compiled code."""
+        """Builds the static map and the strip of the route, and loads the compiled code."""
         self._settings = settings
         self._map = raster_map(context.network)
         self._strip = route_strip(context.network, context.route)

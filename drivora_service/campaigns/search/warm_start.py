@@ -103,7 +103,7 @@ class WarmStart:
 
 
 class ShiftedCheckpoints:
-    """Checkpoints of a tester that is told fewer evaluations than its campaign has."""
+    """Checkpoints of a tester that receives fewer evaluations than its campaign has."""
 
     def __init__(self, checkpoints: Checkpoints, shift: int) -> None:
         """Takes the checkpoints of a campaign.

@@ -132,7 +132,7 @@ def with_forms(command: Command) -> Command:
         for name, (kind, default) in options.items()
     ]
     # Typer reads both.
-    run.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
+    run.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined] # as inspect
     run.__annotations__ = {one.name: one.annotation for one in parameters}
     return run  # type: ignore[return-value] # its options are those of the command line
 

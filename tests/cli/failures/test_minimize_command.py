@@ -98,7 +98,7 @@ def test_what_cannot_be_minimised(drivora: Drivora, run_id: str) -> None:
         return ended
 
     assert "does not violate red_light" in refused(run_id, "--oracle", "red_light").err
-    assert "unknown run 'nothing'" in refused("nothing").err
+    assert "unknown run '0'" in refused("0").err
     assert "--out" in refused(run_id, "--out", "/proc/none/smaller").err
 
 
