@@ -71,6 +71,9 @@ def print_campaign(campaign: Campaign, *, where: str = "") -> None:
         f"{missing_words(counts.failed, campaign.missing_results)}"
     )
     print(f"  {counts.violating} failing ({_accountable(counts)})")
+    if counts.apart:
+        apart = ", ".join(f"{number} {words}" for number, words in counts.apart)
+        print(f"  Simulations by their strongest violation, counted or not: {apart}")
     print(f"  Failures are {campaign.definition.words}")
     for warning in campaign.warnings:
         print_warning(warning)
@@ -153,9 +156,7 @@ def _accountable(counts: CampaignCounts) -> str:
     parts = [f"{counts.at_fault} at fault"]
     if counts.avoidable is not None:
         parts.append(f"{counts.avoidable} avoidable")
-    apart = [f"{number} {words}" for number, words in counts.apart]
-    # These are counted whether the campaign counts them as failures or not.
-    return ", ".join(parts) + (f"); simulations by degree ({', '.join(apart)}" if apart else "")
+    return ", ".join(parts)
 
 
 def print_evaluation(evaluation: Evaluation, *, where: str = "") -> None:

@@ -119,7 +119,7 @@ def _without_result(counts: CampaignCounts) -> CampaignWarning:
         code=WarningCode.NO_RESULTS,
         message=f"{counts.failed} of {made} simulations have no result.",
         advice="The evaluations say why: `drivora campaign show ID --evaluation 0`.",
-        page=f"{PAGE}#the-ads-itself-fails",
+        page=f"{PAGE}#runs-have-no-result",
     )
 
 
