@@ -98,7 +98,8 @@ def test_a_feedback_that_fails_fails_its_run_once_and_no_other(
         ("raised", "raised KeyError when it was made: 'nothing to make it of'"),
     ]
     assert said[:-1] == [
-        (f"feedback_{cause}", f"feedback 'moody' {text}") for cause, text in expected
+        (f"feedback_{cause}", f"feedback 'moody' of the package 'foreign-plugins' {text}")
+        for cause, text in expected
     ]
     assert said[-1][0] == "feedback_plugin"
     assert "No module named 'feedbacks_that_are_gone'" in said[-1][1]

@@ -264,7 +264,7 @@ def test_a_server_that_is_killed_again_and_again_runs_the_same_campaign(
     with forked_service(tmp_path, workers=2) as url, client_of(url) as client:
         last = follow(client, campaign_id, until="finished")[-1]
         batch = client.get(f"/batches/{last['batch_id']}").json()
-    # One run for each simulation, and one again for each failing one.
-    assert batch["size"] == SIMULATIONS + last["counts"]["violating"]
+    # The run of the seed, one for each simulation, and one again for each failing one.
+    assert batch["size"] == 1 + SIMULATIONS + last["counts"]["violating"]
     assert batch["counts"] == {"finished": batch["size"]}
     assert sequence(evaluations(tmp_path, campaign_id)) == sequence(references[tester])

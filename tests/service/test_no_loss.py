@@ -18,7 +18,8 @@ from drivora_service.scenario.seed_generation import generate_seeds
 from drivora_service.store.database import open_database
 from tests.forked_service import forked_service, killed_service
 
-RUNS = 44
+# Many more than two workers judge between the kills, however fast they are.
+RUNS = 240
 KILLS = 3
 
 
