@@ -120,6 +120,7 @@ export function Fields({
   pointer,
   properties,
   names = Object.keys(properties),
+  labels = {},
   definitions,
   value,
   standards = {},
@@ -131,6 +132,8 @@ export function Fields({
   readonly properties: Readonly<Record<string, JsonSchema>>;
   /** Those that are shown, in this order; else all. */
   readonly names?: readonly string[];
+  /** Labels by name, where the name of a property does not say what it is on its page. */
+  readonly labels?: Readonly<Record<string, string>>;
   readonly definitions?: Definitions;
   readonly value: Readonly<Record<string, Json>>;
   /** What stands where the object has no value, by name; else the default of the schema. */
@@ -151,7 +154,7 @@ export function Fields({
             pointer={place}
             schema={schema}
             {...(definitions ? { definitions } : {})}
-            label={labelOf(name)}
+            label={labels[name] ?? labelOf(name)}
             value={value[name]}
             standard={standards[name]}
             problems={problemsOf(place)}

@@ -18,6 +18,9 @@ const FIRST = [
   "optional",
 ];
 
+/** The form has other fields with the names of these properties. */
+const LABELS = { name: "Space of a package", parameters: "Parameters of that space" };
+
 /** What varies: a named space, and what differs from it. */
 export function SpaceSection({ form }: { readonly form: Form }) {
   const { definitions, presets } = form.catalogues;
@@ -72,7 +75,7 @@ export function SpaceSection({ form }: { readonly form: Form }) {
         says={changed > 0 ? `${changed} of ${rest.length} changed` : `${rest.length}`}
         hasProblem={rest.some((one) => form.problemsOf(`/space/${one}`).length > 0)}
       >
-        <Fields {...shared} names={rest} />
+        <Fields {...shared} names={rest} labels={LABELS} />
       </Folded>
     </Section>
   );
