@@ -243,17 +243,17 @@ def _end_all(worker: int) -> None:
     own = os.getpid()
     # Repeated, as the children of a process that was killed become ours, and a process may fork
     # while it is killed. The limit is for one that waits in the kernel, which cannot be killed.
-    while children := children_of(own):
-        passed = time.monotonic() - begun
-        if passed > _GRACE_S + _KILL_S:
-            return
-        for pid in children:
+    while (passed := time.monotonic() - begun) <= _GRACE_S + _KILL_S:
+        for pid in children_of(own):
             # Children that have not been reaped: the ids are their own.
             if passed > _GRACE_S or not is_guard(pid):
                 with contextlib.suppress(ProcessLookupError, PermissionError):
                     os.kill(pid, signal.SIGKILL)
-        with contextlib.suppress(ChildProcessError):
+        try:
             while os.waitpid(-1, os.WNOHANG)[0]:
                 pass
-        if children_of(own):
-            time.sleep(_PAUSE_S)
+        except ChildProcessError:
+            # Only this says that there are none: the list above may lack children while one of them
+            # ends (proc(5)), and who was not listed would outlive the keeper.
+            return
+        time.sleep(_PAUSE_S)

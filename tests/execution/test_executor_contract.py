@@ -294,10 +294,14 @@ def test_workers_have_the_environment_that_makes_results_repeatable(start: Start
 @of_a_worker
 def test_what_a_dead_worker_started_dies_with_it(start: Start) -> None:
     executor = start()
-    worker = int(str(run(executor, "sleep 0").report.versions["pid"]))
+    # Both slots are busy at once, so that these are their workers; either may take the next run.
+    specs = [RunSpec(run_id=str(number), document="sleep 1.0") for number in range(SLOTS)]
+    workers = {int(str(report.versions["pid"])) for report in run_all(executor, specs)}
+    assert len(workers) == SLOTS
     assert run(executor, "spawns").report.status is RunStatus.SIMULATOR_CRASHED
+    (dead,) = (worker for worker in workers if not psutil.pid_exists(worker))
     # A worker leads a process group, to which what it starts belongs.
-    assert not [process for process in psutil.process_iter() if _lives_in(worker, process)]
+    assert not [process for process in psutil.process_iter() if _lives_in(dead, process)]
 
 
 def _lives_in(group: int, process: psutil.Process) -> bool:
