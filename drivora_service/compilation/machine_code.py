@@ -117,7 +117,7 @@ class _Compilations(event.Listener):
 
 
 if VARIABLE in os.environ:
-    event.register("numba:compile", _Compilations())  # type: ignore[no-untyped-call] # numba
+    event.register("numba:compile", _Compilations())  # type: ignore[no-untyped-call] # numba is untyped
 
 # Before the first compilation: results do not depend on the features of a machine's processor, and
 # all processes share the machine code on disk.

@@ -254,6 +254,6 @@ def _end_all(worker: int) -> None:
                 pass
         except ChildProcessError:
             # Only this says that there are none: the list above may lack children while one of them
-            # ends (proc(5)), and who was not listed would outlive the keeper.
+            # ends (proc(5)), and a process that was not listed would outlive the keeper.
             return
         time.sleep(_PAUSE_S)

@@ -21,7 +21,7 @@ from tests.simulation.episodes import network, run
 pytest.importorskip("gymnasium", reason="an extra: `adversary`, and part of the development tools")
 
 
-def environment(what: Scenario | None = None, interval: float = 4.0):  # type: ignore[no-untyped-def]
+def environment(what: Scenario | None = None, interval: float = 4.0):  # type: ignore[no-untyped-def]  # Gymnasium may be missing
     from drivora_service.adversaries.environment import AdversaryEnv
 
     return AdversaryEnv(what or alone(), network(), AgentCatalogue(), interval=interval)

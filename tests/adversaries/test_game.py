@@ -136,7 +136,7 @@ def test_policies_travel_as_text() -> None:
     values = action_values(read, seen)
     hidden = np.maximum(layers[1][0] @ np.maximum(layers[0][0] @ seen, 0.0), 0.0)
     assert np.allclose(values, layers[2][0] @ hidden)
-    for bad in ("?", "AAAA", layers_to_text(layers[:1])):  # type: ignore[arg-type]
+    for bad in ("?", "AAAA", layers_to_text(layers[:1])):  # type: ignore[arg-type]  # too few on purpose
         with pytest.raises(SearchError, match="policy"):
             layers_from_text(bad)
 

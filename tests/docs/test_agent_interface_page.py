@@ -33,7 +33,7 @@ def test_every_field_is_named(part: type) -> None:
 )
 def test_every_control_is_named_with_its_fields(control: type) -> None:
     assert f"`{control.__name__}`" in _PAGE
-    assert set(control._fields) <= _NAMED  # type: ignore[attr-defined]
+    assert set(control._fields) <= _NAMED  # type: ignore[attr-defined]  # all are named tuples
 
 
 def test_the_route_has_what_the_page_says() -> None:

@@ -280,5 +280,5 @@ def keep_late(*handed: Any) -> None:
         send(end, *frames)
 
     # Only in this process, which ends with its worker.
-    keeper.send = send_late  # type: ignore[attr-defined]
+    keeper.send = send_late  # type: ignore[attr-defined]  # a name that it imported
     keeper.keep(*handed)

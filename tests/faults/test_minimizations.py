@@ -68,7 +68,7 @@ def test_the_server_killed_again_and_again(
     address = started(service, run)
     for kill in range(3):
         wait_until(
-            lambda least=4 * kill: simulations(service, address) > least,  # type: ignore[misc]
+            lambda least=4 * kill: simulations(service, address) > least,  # type: ignore[misc]  # a default binds the number
             seconds=60.0,
             what="no simulation",
         )
@@ -100,7 +100,7 @@ def test_workers_killed(service: Service, check: Judge, luck: random.Random, tri
     for _ in range(2):
         before = simulations(service, address)
         wait_until(
-            lambda least=before: simulations(service, address) > least,  # type: ignore[misc]
+            lambda least=before: simulations(service, address) > least,  # type: ignore[misc]  # a default binds the number
             seconds=60.0,
             what="no simulation",
         )

@@ -35,11 +35,11 @@ def made(formula: Callable[[EgoView], Any], **changes: Any) -> type[MetricContra
     return Suite
 
 
-class TestTopSpeed(made(lambda ego: float(ego.speed.max()))):  # type: ignore[misc]
+class TestTopSpeed(made(lambda ego: float(ego.speed.max()))):  # type: ignore[misc]  # made here
     pass
 
 
-class TestNumbersOfNumpy(made(lambda ego: np.float32(ego.speed.max()))):  # type: ignore[misc]
+class TestNumbersOfNumpy(made(lambda ego: np.float32(ego.speed.max()))):  # type: ignore[misc]  # made here
     pass
 
 

@@ -44,7 +44,7 @@ def pretend() -> None:
     """Perturbs NumPy's functions in this process, for good."""
     # The compiler lists NumPy's functions when it is loaded, and would not know the others.
     load_compiler()
-    import numba.np.npyimpl  # noqa: F401
+    import numba.np.npyimpl  # noqa: F401  # importing it is all that is wanted
 
     for name in DISPATCHED:
         setattr(np, name, _perturbed(getattr(np, name)))

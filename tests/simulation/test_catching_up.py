@@ -96,7 +96,7 @@ def begun(what: Scenario, *, mirrored: bool) -> Episode:
 
 
 def followed_by(what: Scenario, npc: object) -> Scenario:
-    return replace(what, npc_vehicles=(*what.npc_vehicles, npc))  # type: ignore[arg-type]
+    return replace(what, npc_vehicles=(*what.npc_vehicles, npc))  # type: ignore[arg-type]  # of the kind of the others
 
 
 def driven(start_time: float, to: float = 110.0) -> object:

@@ -23,7 +23,7 @@ SCENARIOS = [
 
 
 def names(expression: str = "", **restrictions: object) -> list[str]:
-    chosen = choose(SCENARIOS, expression=expression, **restrictions)  # type: ignore[arg-type]
+    chosen = choose(SCENARIOS, expression=expression, **restrictions)  # type: ignore[arg-type]  # restrictions are keyword arguments
     return [one.name for one in chosen]
 
 

@@ -29,7 +29,7 @@ def found(seed: int, **changes: object) -> FoundScenario:
         "definition": FailureDefinition(counts=Counted.AT_FAULT, oracles=("collision",)),
         "comment": "Collided. Found by random.",
     }
-    return FoundScenario(**(values | changes))  # type: ignore[arg-type]
+    return FoundScenario(**(values | changes))  # type: ignore[arg-type]  # values by name
 
 
 def documents(folder: Path) -> dict[str, ScenarioDocument]:

@@ -200,7 +200,7 @@ CHANGES: Mapping[str, Callable[[], Change]] = {
 @pytest.mark.parametrize("name", CHANGES)
 def test_a_change_is_found_and_named(name: str) -> None:
     # A kernel has machine code that could be exchanged once it has been called.
-    assert step_kernels.make_frame.dispatcher is not None  # type: ignore[attr-defined]
+    assert step_kernels.make_frame.dispatcher is not None  # type: ignore[attr-defined]  # a compiled function has it
     code = snapshot_judging_code()
     assert code.changes() == ()
     change = CHANGES[name]()

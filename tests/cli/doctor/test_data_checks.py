@@ -101,7 +101,7 @@ def answering(body: bytes) -> Iterator[int]:
             self.end_headers()
             self.wfile.write(body)
 
-        def log_message(self, format: str, *args: object) -> None:  # noqa: A002
+        def log_message(self, format: str, *args: object) -> None:  # noqa: A002  # named by the standard library
             pass
 
     server = HTTPServer(("127.0.0.1", 0), Handler)

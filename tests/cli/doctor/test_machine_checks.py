@@ -68,7 +68,7 @@ def test_a_check_that_raises_is_a_problem_of_its_subject() -> None:
     def fail() -> list[object]:
         raise SystemExit(4)
 
-    found = perform_checks([Check("first", fail), Check("second", lambda: [ok("second", "fine")])])  # type: ignore[arg-type]
+    found = perform_checks([Check("first", fail), Check("second", lambda: [ok("second", "fine")])])  # type: ignore[arg-type]  # never returns
     assert [(one.subject, one.state) for one in found] == [
         ("first", State.PROBLEM),
         ("second", State.OK),

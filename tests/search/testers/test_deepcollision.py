@@ -155,13 +155,13 @@ def test_the_defaults_are_those_of_the_paper_s_code() -> None:
 
 
 def test_learning_leaves_the_random_numbers_of_others_alone() -> None:
-    np.random.seed(5)  # noqa: NPY002
+    np.random.seed(5)  # noqa: NPY002  # the generator that the learner keeps
     torch.manual_seed(5)
-    expected = (np.random.random(), float(torch.rand(1)))  # noqa: NPY002
-    np.random.seed(5)  # noqa: NPY002
+    expected = (np.random.random(), float(torch.rand(1)))  # noqa: NPY002  # the generator that the learner keeps
+    np.random.seed(5)  # noqa: NPY002  # the generator that the learner keeps
     torch.manual_seed(5)
     play(make(), 30)
-    assert (np.random.random(), float(torch.rand(1))) == expected  # noqa: NPY002
+    assert (np.random.random(), float(torch.rand(1))) == expected  # noqa: NPY002  # the generator that the learner keeps
 
 
 def test_the_scene_is_the_seed_scenario_in_fine_weather_or_drawn() -> None:

@@ -100,7 +100,7 @@ def test_the_worst_driven_mutant_is_the_parent_of_the_next_cycle() -> None:
     told = play(create(), 80, by_luck)
     for cycle in range(1, 10):
         before = told[8 * (cycle - 1) : 8 * cycle]
-        worst = min(before, key=lambda e: e.measurement.objectives[QUALITY])  # type: ignore[union-attr, return-value, arg-type]
+        worst = min(before, key=lambda e: e.measurement.objectives[QUALITY])  # type: ignore[union-attr, return-value, arg-type]  # all are measured
         for mutant in told[8 * cycle : 8 * (cycle + 1)]:
             assert mutant.proposal.parents == (worst.number,)
 

@@ -107,7 +107,7 @@ def test_counts_are_the_lengths_of_the_lists(database: Database, batch_id: str) 
                 ("oracle", ORACLES, counts.oracle),
             ):
                 for name in names:
-                    listed = number(replace(wanted, **{part: name}))  # type: ignore[arg-type]
+                    listed = number(replace(wanted, **{part: name}))  # type: ignore[arg-type]  # the names are fields
                     assert found.get(name, 0) == listed, (wanted, part, name)
             assert (counts.violated, counts.not_violated, counts.at_fault, counts.not_at_fault) == (
                 number(replace(wanted, violated=True)),

@@ -116,7 +116,7 @@ def test_repeated_seeds_count_as_one_scenario() -> None:
 
     first = [*seeds("often", [1, 1, 1]), *seeds("tie", [1, 0, 0]), *seeds("never", [0, 0, 0])]
     second = [*seeds("often", [1, 0, 0]), *seeds("tie", [0, 1, 0]), *seeds("never", [0, 0, 0])]
-    found = compare_runs(batch(first), batch(second))  # type: ignore[arg-type] # runs
+    found = compare_runs(batch(first), batch(second))  # type: ignore[arg-type] # runs of the test
     table = found.failures
     assert (table.a_only, table.b_only, table.both, table.neither) == (1, 0, 1, 1)
     assert (found.scenarios, len(found.pairs), table.runs_a, table.runs_b) == (3, 9, 4, 2)

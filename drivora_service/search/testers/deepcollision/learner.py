@@ -147,12 +147,12 @@ class Learner:
         of_torch = generator.get_state()
         of_numpy = np.random.get_state()  # noqa: NPY002  # what the replay buffer draws from
         generator.manual_seed(int(drawn[1]))
-        np.random.seed(drawn[0])  # noqa: NPY002
+        np.random.seed(drawn[0])  # noqa: NPY002  # as above
         try:
             yield
         finally:
             generator.set_state(of_torch)
-            np.random.set_state(of_numpy)  # noqa: NPY002
+            np.random.set_state(of_numpy)  # noqa: NPY002  # as above
 
 
 _TABLES = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
