@@ -215,8 +215,12 @@ def create_service(
         stopping=stopping.is_set,
         owner_id=ownership.owner_id,
         own_slots=executor.slots,
+        root_path=settings.resolved_root_path,
+        is_public_https=settings.public_url.startswith("https:"),
     )
-    api = create_api(context, lifespan, page=page_routes())
+    api = create_api(
+        context, lifespan, page=page_routes(root_path=settings.resolved_root_path)
+    )
 
     def end_requests() -> None:
         feed_of(api).close()

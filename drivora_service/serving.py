@@ -21,6 +21,7 @@ import uvicorn
 from anyio import to_thread
 
 from drivora_service.api.guards.client_connections import BoundedConnection, raise_descriptor_limit
+from drivora_service.api.guards.request_turns import urgent_requests
 from drivora_service.app import Service, create_service
 from drivora_service.errors import ServiceBroken
 from drivora_service.fault_log import FaultLog
@@ -92,6 +93,7 @@ def serve_until_stopped(settings: Settings) -> None:
     listener = bind_address(settings.host, settings.port)
     service = create_service(settings, on_fatal=ending.break_down)
     BoundedConnection.most = raise_descriptor_limit()
+    BoundedConnection.urgent = urgent_requests(settings.resolved_root_path)
     config = uvicorn.Config(
         service.api,
         http=BoundedConnection,
@@ -113,7 +115,7 @@ def serve_until_stopped(settings: Settings) -> None:
     announcement = settings.data_dir / ANNOUNCEMENT
     server = _Server(config, service, ending, drain_s=settings.drain_s)
     ending.server = server
-    _announce(announcement, settings.public_url or f"http://{host}:{port}")
+    _announce(announcement, settings.public_url or f"http://{host}:{port}{settings.root_path}")
     # uvicorn passes a signal on once it has shut down; this makes that a normal end.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:

@@ -8,12 +8,13 @@ from __future__ import annotations
 import ipaddress
 import os
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from drivora_service.errors import ConfigurationError
+from drivora_service.public_address import path_of, read_public_url, read_root_path
 
 
 class Settings(BaseSettings):
@@ -54,7 +55,13 @@ class Settings(BaseSettings):
     port: int = Field(default=8000, ge=0, le=65535, description="Port; 0 picks a free one.")
     public_url: str = Field(
         default="",
-        description="Public address of the service, for links behind a proxy.",
+        description="Public address of the service behind a proxy, such as "
+        "https://host/drivora; its path is that of DRIVORA_ROOT_PATH.",
+    )
+    root_path: str = Field(
+        default="",
+        description="Path that the service is under behind a proxy, such as /drivora; empty: that "
+        "of the public address, or the root of the host.",
     )
     require_tokens: bool = Field(
         default=False, description="Require an API token on loopback, too."
@@ -154,6 +161,30 @@ class Settings(BaseSettings):
         default="info", description="Least level of log lines."
     )
 
+    @field_validator("root_path")
+    @classmethod
+    def _check_root_path(cls, given: str) -> str:
+        return read_root_path(given)
+
+    @field_validator("public_url")
+    @classmethod
+    def _check_public_url(cls, given: str) -> str:
+        return read_public_url(given)
+
+    @model_validator(mode="after")
+    def _check_paths_agree(self) -> Self:
+        if self.public_url and self.root_path and path_of(self.public_url) != self.root_path:
+            raise ValueError(
+                f"DRIVORA_ROOT_PATH is {self.root_path} but DRIVORA_PUBLIC_URL is "
+                f"{self.public_url}: end the address with that path, or leave out one of them"
+            )
+        return self
+
+    @property
+    def resolved_root_path(self) -> str:
+        """Path that the service is under, without a slash at its end; "": the host's root."""
+        return self.root_path or path_of(self.public_url)
+
     @property
     def resolved_database_url(self) -> str:
         """The database's address, with the default filled in."""
@@ -222,6 +253,9 @@ def load_settings(**overrides: object) -> Settings:
     except ValidationError as error:
         lines = [
             f"DRIVORA_{'_'.join(map(str, e['loc'])).upper()}: {e['msg']} (found {e['input']!r})"
+            # Without a place it is about several settings, and names them.
+            if e["loc"]
+            else str(e["ctx"]["error"])
             for e in error.errors()
         ]
         raise ConfigurationError("\n".join(lines)) from error

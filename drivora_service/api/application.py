@@ -19,6 +19,7 @@ from drivora_service.api.guards.body_limit import BodyLimit
 from drivora_service.api.guards.load_guard import LoadGuard
 from drivora_service.api.guards.method_table import HeadAsGet, MethodTable
 from drivora_service.api.guards.origin_guard import OriginGuard
+from drivora_service.api.guards.path_prefix import PathPrefix
 from drivora_service.api.guards.request_times import RequestTimes, TimedRequests
 from drivora_service.api.guards.write_gate import WriteGate
 from drivora_service.api.problem_details import install_problem_handlers
@@ -76,7 +77,9 @@ def create_api(
     api.router.routes.extend(page)
     methods.add(api.routes)
     install_problem_handlers(api, methods)
-    install_openapi(api, tokens_needed=context.tokens is not None)
+    install_openapi(
+        api, tokens_needed=context.tokens is not None, root_path=context.root_path
+    )
     # The last added is the outermost.
     api.add_middleware(HeadAsGet)
     api.add_middleware(WriteGate, storage_fault=context.storage_fault, stopping=context.stopping)
@@ -96,6 +99,8 @@ def create_api(
     api.add_middleware(OriginGuard, local_names_only=context.tokens is None)
     # Outside of all others, so that it sees what they refuse.
     api.add_middleware(TimedRequests, times=times)
+    if context.root_path:
+        api.add_middleware(PathPrefix, root_path=context.root_path)
     return api
 
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Depends, Request
 
+from drivora_service.api_paths import PREFIX
+
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
     from drivora_service.api.answers.network_imports import NetworkImports
@@ -70,6 +72,8 @@ class ApiContext:
         stopping: Whether the service takes no more work because it is being stopped.
         owner_id: Id under which this process takes runs; "": it takes none by itself.
         own_slots: Returns the present state of its worker slots.
+        root_path: Path that the service is under behind a proxy; "": the root of its host.
+        is_public_https: Whether its public address is one of HTTPS.
         is_service: Whether others ask than the process itself: they are not told the inside.
     """
 
@@ -94,6 +98,13 @@ class ApiContext:
     sessions: SessionFile | None = None
     owner_id: str = ""
     own_slots: Callable[[], tuple[SlotState, ...]] = tuple
+    root_path: str = ""
+    is_public_https: bool = False
+
+    @property
+    def base(self) -> str:
+        """Address of the API, as its clients see it."""
+        return f"{self.root_path}{PREFIX}"
 
     @property
     def database(self) -> Database:

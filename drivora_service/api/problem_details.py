@@ -15,6 +15,7 @@ from starlette.exceptions import HTTPException
 
 from drivora_service.api.context import context_of
 from drivora_service.api.guards.method_table import MethodTable
+from drivora_service.api.guards.path_prefix import public_path
 from drivora_service.api.schemas.problems import ProblemItem
 from drivora_service.errors import (
     AmbiguousName,
@@ -126,7 +127,7 @@ def install_problem_handlers(api: FastAPI, methods: MethodTable) -> None:
 
 
 def _answer(request: Request, error: Exception) -> Response:
-    path = request.url.path
+    path = public_path(request.scope)
     match error:
         case ApiError():
             return problem_response(
@@ -228,15 +229,16 @@ def _http_answer(request: Request, error: Exception, methods: MethodTable) -> Re
         return problem_response(
             HTTPStatus.UNPROCESSABLE_ENTITY,
             "the request cannot be used",
-            instance=request.url.path,
+            instance=public_path(request.scope),
             problems=(problem,),
         )
     headers = dict(error.headers or {})
     if status is HTTPStatus.NOT_FOUND and error.detail == status.phrase:
-        detail = "there is nothing at this path; /docs shows what there is"
+        docs = f"{context_of(request).root_path}/docs"
+        detail = f"there is nothing at this path; {docs} shows what there is"
     elif status is HTTPStatus.METHOD_NOT_ALLOWED:
         headers["Allow"] = ", ".join(methods.allowed_methods(request.url.path))
         detail = f"{request.method} is not allowed here; allowed: {headers['Allow']}"
     else:
         detail = str(error.detail)
-    return problem_response(status, detail, instance=request.url.path, headers=headers)
+    return problem_response(status, detail, instance=public_path(request.scope), headers=headers)

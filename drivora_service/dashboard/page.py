@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import gzip
+import hashlib
 import mimetypes
+import re
 from collections.abc import Callable, Sequence
 from http import HTTPStatus
 from pathlib import Path
@@ -60,17 +63,27 @@ HELP = ("when-everything-or-nothing-fails",)
 """Pages of the documentation that the page links to, by their names among the how-to pages."""
 _NOT_BUILT = (
     "The page is not in this installation. Install the package again "
-    "(`make install`, or `pip install`), or use the API: /docs.\n"
+    "(`make install`, or `pip install`), or use the API: {root_path}/docs.\n"
 )
+_ADDRESS = re.compile(r'\b((?:href|src)=")/')
+"""Of a file of the page, in its document; scripts and styles name their files relative to themselves."""
 
 
-def page_routes(built: Path = BUILT) -> Sequence[BaseRoute]:
-    """Returns the routes of the page: its document for every screen, and its files."""
+def page_routes(built: Path = BUILT, *, root_path: str = "") -> Sequence[BaseRoute]:
+    """Returns the routes of the page: its document for every screen, and its files.
+
+    Args:
+        built: Folder of the built page.
+        root_path: Path that the service is under; "": the root of its host.
+    """
 
     def document(request: Request) -> Response:
         if not (built / "index.html").is_file():
-            return Response(_NOT_BUILT, 503, media_type="text/plain")
+            text = _NOT_BUILT.format(root_path=root_path)
+            return Response(text, 503, media_type="text/plain")
         # Small, and names the files of one build: always asked for again.
+        if root_path:
+            return _document_under(root_path, request, built / "index.html")
         return _file(request, built / "index.html", "no-cache")
 
     def no_screen(request: Request) -> Response:
@@ -146,12 +159,31 @@ def _goes_to_a_page(request: Request) -> bool:
     )
 
 
+def _document_under(root_path: str, request: Request, path: Path) -> Response:
+    """Returns the document with the addresses of its files below a path.
+
+    A `<base>` would do the same, but its policy allows none: an injected one would lead the page's
+    scripts elsewhere. Addresses relative to the document would lead elsewhere from each screen.
+    """
+    body = _ADDRESS.sub(rf"\g<1>{root_path}/", path.read_text(encoding="utf-8")).encode()
+    headers = {
+        **_HEADERS,
+        "Cache-Control": "no-cache",
+        "Vary": "Accept-Encoding",
+        "ETag": f'"{hashlib.sha256(body).hexdigest()[:32]}"',
+    }
+    if "gzip" in _accepted_encodings(request):
+        headers["Content-Encoding"] = "gzip"
+        body = gzip.compress(body, mtime=0)
+    return Response(body, headers=headers, media_type="text/html")
+
+
 def _file(request: Request, path: Path, cache: str) -> Response:
     if not path.is_file():
         return Response("There is no such file.\n", 404, media_type="text/plain")
     media_type = mimetypes.guess_type(path.name)[0] or "application/octet-stream"
     headers = {**_HEADERS, "Cache-Control": cache, "Vary": "Accept-Encoding"}
-    accepted = {part.split(";")[0].strip() for part in _encoding_header(request).split(",")}
+    accepted = _accepted_encodings(request)
     for encoding, suffix in _ENCODINGS:
         stored = path.with_name(path.name + suffix)
         if encoding in accepted and stored.is_file():
@@ -161,5 +193,6 @@ def _file(request: Request, path: Path, cache: str) -> Response:
     return FileResponse(path, headers=headers, media_type=media_type)
 
 
-def _encoding_header(request: Request) -> str:
-    return request.headers.get("accept-encoding", "")
+def _accepted_encodings(request: Request) -> set[str]:
+    header = request.headers.get("accept-encoding", "")
+    return {part.split(";")[0].strip() for part in header.split(",")}

@@ -70,6 +70,7 @@ def docs_page(document: Mapping[str, Any]) -> str:
     info = document["info"]
     intro = "".join(f"<p>{_text(part)}</p>" for part in info["description"].strip().split("\n\n"))
     title = f"{info['title']} API"
+    root = document.get("servers", [{"url": ""}])[0]["url"]
     return (
         "<!doctype html>\n"
         '<html lang="en"><head><meta charset="utf-8">'
@@ -78,8 +79,8 @@ def docs_page(document: Mapping[str, Any]) -> str:
         f"<style>{_STYLE}</style></head><body>"
         f'<div class="layout"><nav aria-label="Operations">{"".join(_menu(groups))}</nav><main>'
         f'<h1>{escape(title)}</h1><p class="facts">Version {escape(info["version"])} · '
-        '<a href="/api/v1/openapi.json">OpenAPI document</a></p>'
-        f"{intro}{''.join(_sections(groups, document))}</main></div></body></html>\n"
+        f'<a href="{escape(root)}/api/v1/openapi.json">OpenAPI document</a></p>'
+        f"{intro}{''.join(_sections(groups, document, root))}</main></div></body></html>\n"
     )
 
 
@@ -92,7 +93,9 @@ def _menu(groups: Mapping[str, list[tuple[str, str, Mapping[str, Any]]]]) -> Ite
 
 
 def _sections(
-    groups: Mapping[str, list[tuple[str, str, Mapping[str, Any]]]], document: Mapping[str, Any]
+    groups: Mapping[str, list[tuple[str, str, Mapping[str, Any]]]],
+    document: Mapping[str, Any],
+    root: str,
 ) -> Iterator[str]:
     for tag, operations in groups.items():
         yield f"<h2>{escape(tag)}</h2>"
@@ -100,7 +103,7 @@ def _sections(
             anchor = _anchor(method, path)
             yield (
                 f'<section id="{anchor}"><h3><a href="#{anchor}">{_method(method)}'
-                f"<code>{escape(path)}</code></a></h3>"
+                f"<code>{escape(root + path)}</code></a></h3>"
             )
             for part in operation.get("description", "").strip().split("\n\n"):
                 yield f"<p>{_text(part)}</p>"

@@ -202,12 +202,13 @@ def study_body(example: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def install_openapi(api: FastAPI, *, tokens_needed: bool) -> None:
+def install_openapi(api: FastAPI, *, tokens_needed: bool, root_path: str = "") -> None:
     """Replaces the application's ``openapi`` by one that returns the complete document.
 
     Args:
         api: With all its routes.
         tokens_needed: Whether this installation refuses requests without a token.
+        root_path: Path that all paths are below; "": the root of the host.
     """
 
     def build() -> dict[str, Any]:
@@ -217,6 +218,7 @@ def install_openapi(api: FastAPI, *, tokens_needed: bool) -> None:
                 version=api.version,
                 description=_DESCRIPTION,
                 routes=api.routes,
+                servers=[{"url": root_path}] if root_path else None,
             )
             _unpack_examples(document["paths"])
             add_links(document["paths"])

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from drivora_service.api.guards.path_prefix import public_path
 from drivora_service.api.problem_details import ApiError, problem_response
 
 DRAIN_SECONDS = 2.0
@@ -99,7 +100,7 @@ class BodyLimit:
 async def _refuse(
     scope: Scope, receive: Receive, send: Send, status: HTTPStatus, detail: str
 ) -> None:
-    response = problem_response(status, detail, instance=scope["path"], headers=_CLOSE)
+    response = problem_response(status, detail, instance=public_path(scope), headers=_CLOSE)
 
     async def lingering_send(message: Message) -> None:
         await _send_and_linger(message, receive, send)

@@ -11,7 +11,7 @@ import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from drivora_service.api.guards.load_guard import refuse_overload
-from drivora_service.api.guards.request_turns import Turns, is_urgent
+from drivora_service.api.guards.request_turns import Turns, urgent_requests
 from drivora_service.api.problem_details import MEDIA_TYPE, ProblemDetails
 
 HEAD_SECONDS = 20.0
@@ -48,10 +48,12 @@ class BoundedConnection(H11Protocol):
     Attributes:
         most: Connections that are served; set before the server starts.
         turns: In which order requests are begun.
+        urgent: How requests start that are begun before others.
     """
 
     most = MOST_CONNECTIONS
     turns = Turns()
+    urgent = urgent_requests()
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -80,7 +82,7 @@ class BoundedConnection(H11Protocol):
         if self._unread:
             self._unread += data
             self.flow.pause_reading()
-        elif self.conn.their_state is not h11.IDLE or is_urgent(data):
+        elif self.conn.their_state is not h11.IDLE or data.startswith(self.urgent):
             self._read(data)
         else:
             # A request that waits for its turn is not an idle connection.

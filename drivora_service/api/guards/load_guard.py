@@ -6,6 +6,7 @@ from http import HTTPStatus
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from drivora_service.api.guards.path_prefix import public_path
 from drivora_service.api.problem_details import problem_response
 from drivora_service.api_paths import PREFIX
 
@@ -68,7 +69,7 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, *, close: bool) ->
     response = problem_response(
         HTTPStatus.SERVICE_UNAVAILABLE,
         f"too many requests at once; try again in {RETRY_AFTER_S} s",
-        instance=scope["path"],
+        instance=public_path(scope),
         headers={**headers, "Connection": "close"} if close else headers,
     )
     await response(scope, receive, send)

@@ -13,6 +13,7 @@ from urllib.parse import urlsplit
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from drivora_service.api.guards.path_prefix import public_path
 from drivora_service.api.problem_details import problem_response
 
 _LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
@@ -35,7 +36,7 @@ class OriginGuard:
                 response = problem_response(
                     HTTPStatus.MISDIRECTED_REQUEST,
                     f"this service answers to localhost only, not to {host!r}",
-                    instance=scope["path"],
+                    instance=public_path(scope),
                 )
                 await response(scope, receive, send)
                 return
@@ -43,7 +44,7 @@ class OriginGuard:
                 response = problem_response(
                     HTTPStatus.FORBIDDEN,
                     "requests from pages of other sites are refused",
-                    instance=scope["path"],
+                    instance=public_path(scope),
                 )
                 await response(scope, receive, send)
                 return

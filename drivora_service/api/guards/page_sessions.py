@@ -18,7 +18,6 @@ from pathlib import Path
 from filelock import UnixFileLock
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from starlette.datastructures import Headers
-from starlette.requests import cookie_parser
 
 from drivora_service.api.guards.api_tokens import StoredToken, TokenFile
 from drivora_service.errors import ConfigurationError
@@ -158,8 +157,13 @@ class SessionFile:
 
 def session_secret(headers: Headers) -> str:
     """Returns the secret of a request's session, "" without one."""
-    cookies = headers.get("cookie", "")
-    return cookie_parser(cookies).get(COOKIE, "") if COOKIE in cookies else ""
+    # Where another service is at the root of the same host, the cookies of both come: first the one
+    # of the longer path, which is of this service.
+    for cookie in headers.get("cookie", "").split(";"):
+        name, _, value = cookie.partition("=")
+        if name.strip() == COOKIE:
+            return value.strip()
+    return ""
 
 
 def token_of(

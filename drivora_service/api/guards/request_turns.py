@@ -9,17 +9,20 @@ from collections.abc import Callable
 MOST_A_TURN = 16
 """Requests that one turn of the event loop begins; some milliseconds of work."""
 
-_URGENT = tuple(
-    f"{method} {prefix}/{name}".encode()
-    for method in ("GET", "HEAD")
-    for prefix in ("", "/api/v1")
-    for name in ("healthz", "readyz")
-)
 
+def urgent_requests(root_path: str = "") -> tuple[bytes, ...]:
+    """Returns how requests start that ask for the service's health.
 
-def is_urgent(request: bytes) -> bool:
-    """Whether the bytes that have come are a question about the service's health."""
-    return request.startswith(_URGENT)
+    Args:
+        root_path: Path that the service is under; they may come with and without it.
+    """
+    return tuple(
+        f"{method} {root}{prefix}/{name}".encode()
+        for method in ("GET", "HEAD")
+        for root in dict.fromkeys(("", root_path))
+        for prefix in ("", "/api/v1")
+        for name in ("healthz", "readyz")
+    )
 
 
 class Turns:

@@ -7,6 +7,7 @@ from http import HTTPStatus
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from drivora_service.api.guards.path_prefix import public_path
 from drivora_service.api.problem_details import problem_response
 from drivora_service.api_paths import PREFIX
 
@@ -49,7 +50,7 @@ class WriteGate:
         while message["type"] == "http.request" and message.get("more_body", False):
             message = await receive()
         response = problem_response(
-            HTTPStatus.SERVICE_UNAVAILABLE, detail, instance=scope["path"], headers=RETRY_AFTER
+            HTTPStatus.SERVICE_UNAVAILABLE, detail, instance=public_path(scope), headers=RETRY_AFTER
         )
         await response(scope, receive, send)
 

@@ -39,7 +39,6 @@ from drivora_service.api.schemas.batches import (
     ItemResult,
     batch_of,
 )
-from drivora_service.api_paths import PREFIX
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.oracles.verdicts.failure_definition import (
     FailureDefinition,
@@ -102,12 +101,12 @@ def post_batch(
                 checked.runs, batch_id=batch.id, queue_limit=context.limits.queued_runs
             )
             answer = BatchSubmission(
-                batch=batch_of(transaction.batches.get(batch.id), PREFIX),
+                batch=batch_of(transaction.batches.get(batch.id), context.base),
                 accepted=len(checked.runs),
                 rejected=len(checked.problems),
                 items=_item_results(checked, job_ids),
             )
-            headers = {"Location": f"{PREFIX}/batches/{batch.id}", "Retry-After": _POLL_AFTER_S}
+            headers = {"Location": f"{context.base}/batches/{batch.id}", "Retry-After": _POLL_AFTER_S}
             return Answer(
                 status=202, headers=headers, body=to_json(BatchSubmission, answer).decode()
             )
@@ -139,7 +138,7 @@ def list_batches(
         page = transaction.batches.page(
             priorities=priority or (), limit=limit, page_token=page_token
         )
-    items = tuple(batch_of(batch, PREFIX) for batch in page.items)
+    items = tuple(batch_of(batch, context.base) for batch in page.items)
     return json_answer(
         request, Page[Batch], Page(items=items, next_page_token=page.next_page_token)
     )
@@ -155,7 +154,7 @@ def get_batch(request: Request, context: Context, batch_id: str) -> Response:
     """Returns a batch with its progress."""
     with context.database.read() as transaction:
         found = transaction.batches.get(batch_id)
-        batch = batch_of(found, PREFIX, transaction.batches.definition(batch_id))
+        batch = batch_of(found, context.base, transaction.batches.definition(batch_id))
     response = json_answer(request, Batch, batch)
     if not batch.done:
         response.headers["Retry-After"] = _POLL_AFTER_S
@@ -174,7 +173,7 @@ def cancel_batch(context: Context, batch_id: str) -> Batch:
     with context.database.write() as transaction:
         batch = transaction.batches.cancel(batch_id)
     context.wake()
-    return batch_of(batch, PREFIX)
+    return batch_of(batch, context.base)
 
 
 @router.post(
@@ -187,7 +186,7 @@ def cancel_batch(context: Context, batch_id: str) -> Batch:
 def pause_batch(context: Context, batch_id: str) -> Batch:
     """Pauses a batch: no further run is started, running ones continue."""
     with context.database.write() as transaction:
-        return batch_of(transaction.batches.pause(batch_id), PREFIX)
+        return batch_of(transaction.batches.pause(batch_id), context.base)
 
 
 @router.post(
@@ -202,7 +201,7 @@ def resume_batch(context: Context, batch_id: str) -> Batch:
     with context.database.write() as transaction:
         batch = transaction.batches.resume(batch_id)
     context.wake()
-    return batch_of(batch, PREFIX)
+    return batch_of(batch, context.base)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

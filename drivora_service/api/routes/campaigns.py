@@ -23,7 +23,6 @@ from drivora_service.api.schemas.campaigns import (
     campaign_of,
     space_presets,
 )
-from drivora_service.api_paths import PREFIX
 from drivora_service.campaigns.hosts.campaign_requests import ask_for
 from drivora_service.errors import Conflict
 from drivora_service.shapes import to_json
@@ -77,7 +76,7 @@ def post_campaign(
             context.campaigns.open(transaction, campaign_id)
             campaign = _campaign(context, transaction, campaign_id, valid)
             headers = {
-                "Location": f"{PREFIX}/campaigns/{campaign_id}",
+                "Location": f"{context.base}/campaigns/{campaign_id}",
                 "Retry-After": _POLL_AFTER_S,
             }
             return Answer(status=202, headers=headers, body=to_json(Campaign, campaign).decode())
@@ -238,21 +237,21 @@ def _campaign(
 ) -> Campaign:
     record = transaction.campaigns.get(campaign_id)
     if not _is_deserted(context, record):
-        return _make_campaign(transaction, record, valid)
+        return _make_campaign(context.base, transaction, record, valid)
     # Its command may have ended since this transaction began: what is stored then is final.
     with context.database.read() as later:
         record = later.campaigns.get(campaign_id)
-        return _make_campaign(later, _mark_interrupted(record), valid)
+        return _make_campaign(context.base, later, _mark_interrupted(record), valid)
 
 
 def _make_campaign(
-    transaction: Transaction, record: CampaignRecord, valid: ValidCampaign | None
+    base: str, transaction: Transaction, record: CampaignRecord, valid: ValidCampaign | None
 ) -> Campaign:
     kinds = transaction.campaign_views.kinds(record.id)
     notes = () if valid is None else valid.notes_for(valid.campaign.workers)
     seeds = transaction.campaign_views.seeds(record.id)
     missing = transaction.campaign_views.missing_results(campaign_id=record.id)
-    return campaign_of(record, kinds, seeds, PREFIX, missing=missing, notes=notes)
+    return campaign_of(record, kinds, seeds, base, missing=missing, notes=notes)
 
 
 def _as_seen(context: ApiContext, campaign: CampaignSummary) -> CampaignSummary:

@@ -31,7 +31,6 @@ from drivora_service.api.schemas.campaigns import (
     evaluation_of,
     failure_of,
 )
-from drivora_service.api_paths import PREFIX
 from drivora_service.campaigns.search.confirmation import trace_name
 from drivora_service.errors import UnknownName
 from drivora_service.oracles.verdicts.accountability import Accountability
@@ -115,7 +114,7 @@ def get_evaluation(
         is_recorded = bool(
             transaction.campaign_views.run(EvaluationId(campaign_id, number)).trace_sha256
         )
-        run_url = _run_url(transaction, record.report.run_id)
+        run_url = _run_url(transaction, record.report.run_id, context.base)
     trace = context.campaign_folder(campaign_id).trace(trace_name(number))
     detail = evaluation_of(
         summary,
@@ -123,7 +122,7 @@ def get_evaluation(
         lineage,
         context.gene_spaces.of(campaign, record.seed_number),
         campaign,
-        f"{PREFIX}/campaigns/{campaign_id}/evaluations/{number}",
+        f"{context.base}/campaigns/{campaign_id}/evaluations/{number}",
         run_url=run_url,
         has_trace=is_recorded and trace.is_file(),
     )
@@ -222,7 +221,7 @@ def list_failures(
         page = transaction.campaign_views.failures(
             campaign_id, wanted, limit=limit, page_token=page_token
         )
-    url = f"{PREFIX}/campaigns/{campaign_id}"
+    url = f"{context.base}/campaigns/{campaign_id}"
     items = tuple(failure_of(failure, url) for failure in page.items)
     body = Page(items=items, next_page_token=page.next_page_token)
     return json_answer(request, Page[Failure], body)
@@ -255,9 +254,9 @@ def get_table(
     return table_answer(request, table, open_table, columns, owner=campaign.name)
 
 
-def _run_url(transaction: Transaction, run_id: str) -> str:
+def _run_url(transaction: Transaction, run_id: str, base: str) -> str:
     try:
         transaction.jobs.get(run_id)
     except UnknownName:
         return ""
-    return f"{PREFIX}/runs/{run_id}"
+    return f"{base}/runs/{run_id}"

@@ -23,7 +23,6 @@ from drivora_service.api.schemas.failure_groups import (
     SplitRequest,
     failure_group_of,
 )
-from drivora_service.api_paths import PREFIX
 from drivora_service.store.failures.group_records import (
     GroupFilter,
     GroupStatus,
@@ -99,7 +98,7 @@ def list_groups(
     ]
     items = tuple(
         failure_group_of(
-            group, PREFIX, f"{PREFIX}/failures?{urlencode([*kept, ('group', group.id)])}"
+            group, context.base, f"{context.base}/failures?{urlencode([*kept, ('group', group.id)])}"
         )
         for group in page.items
     )
@@ -116,7 +115,7 @@ def list_groups(
 def get_group(request: Request, context: Context, group_id: str) -> Response:
     """Returns a group with all its failures."""
     with context.database.read() as transaction:
-        group = _group(transaction, group_id)
+        group = _group(context.base, transaction, group_id)
     return json_answer(request, FailureGroup, group)
 
 
@@ -151,7 +150,7 @@ def decide(
         decided = transaction.decisions.decide(
             group_id, new, by=_person(request, given.by), revision=given.revision
         )
-        return _group(transaction, decided)
+        return _group(context.base, transaction, decided)
 
 
 @router.post(
@@ -167,7 +166,7 @@ def merge(request: Request, context: Context, given: MergeRequest) -> FailureGro
         merged = transaction.decisions.merge(
             given.into, given.groups, by=_person(request, given.by)
         )
-        return _group(transaction, merged)
+        return _group(context.base, transaction, merged)
 
 
 @router.post(
@@ -187,12 +186,12 @@ def split(request: Request, context: Context, group_id: str, given: SplitRequest
             label=given.label,
             by=_person(request, given.by),
         )
-        return _group(transaction, new)
+        return _group(context.base, transaction, new)
 
 
-def _group(transaction: Transaction, group_id: str) -> FailureGroup:
+def _group(base: str, transaction: Transaction, group_id: str) -> FailureGroup:
     group = transaction.groups.get(group_id)
-    return failure_group_of(group, PREFIX, f"{PREFIX}/failures?{urlencode({'group': group.id})}")
+    return failure_group_of(group, base, f"{base}/failures?{urlencode({'group': group.id})}")
 
 
 def _person(request: Request, given: str) -> str:

@@ -15,7 +15,6 @@ from drivora_service.api.guards.authorization import reader
 from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.failures import FoundFailure, found_failure_of
-from drivora_service.api_paths import PREFIX
 from drivora_service.store.failures.found_counting import FoundCounts
 from drivora_service.store.runs.run_records import Page
 
@@ -38,7 +37,7 @@ def list_failures(
     with context.database.read() as transaction:
         check_oracle(context, transaction, wanted)
         page = transaction.found.page(wanted, limit=limit, page_token=page_token)
-    items = tuple(found_failure_of(failure, PREFIX) for failure in page.items)
+    items = tuple(found_failure_of(failure, context.base) for failure in page.items)
     body = Page(items=items, next_page_token=page.next_page_token)
     return json_answer(request, Page[FoundFailure], body)
 
@@ -69,4 +68,4 @@ def get_failure(
     """Returns a failure of a campaign or of a run."""
     with context.database.read() as transaction:
         failure = transaction.found.failure(number)
-    return json_answer(request, FoundFailure, found_failure_of(failure, PREFIX))
+    return json_answer(request, FoundFailure, found_failure_of(failure, context.base))

@@ -30,7 +30,6 @@ from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, run_once
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.jobs import Job, job_of
-from drivora_service.api_paths import PREFIX
 from drivora_service.oracles.verdicts.failure_definition import definition_to_json
 from drivora_service.shapes import to_json
 from drivora_service.store.runs.run_records import Page, RunSummary
@@ -74,8 +73,8 @@ def post_job(
         def commit(transaction: Transaction) -> Answer:
             limit = context.limits.queued_runs
             (job_id,) = transaction.jobs.submit([run], owner_id=owner_id, queue_limit=limit)
-            job = _job(transaction, job_id)
-            headers = {"Location": f"{PREFIX}/jobs/{job_id}", "Retry-After": _POLL_AFTER_S}
+            job = _job(context, transaction, job_id)
+            headers = {"Location": f"{context.base}/jobs/{job_id}", "Retry-After": _POLL_AFTER_S}
             return Answer(status=202, headers=headers, body=to_json(Job, job).decode())
 
         return Work(commit=commit)
@@ -113,7 +112,7 @@ def list_jobs(
 def get_job(request: Request, context: Context, job_id: str) -> Response:
     """Returns a job. A run that failed is a job with an `error`."""
     with context.database.read() as transaction:
-        job = _job(transaction, job_id)
+        job = _job(context, transaction, job_id)
     response = json_answer(request, Job, job)
     if not job.status.is_final:
         response.headers["Retry-After"] = _POLL_AFTER_S
@@ -135,10 +134,10 @@ def cancel_job(context: Context, job_id: str) -> Job:
 def _cancel(context: ApiContext, job_id: str) -> Job:
     with context.database.write() as transaction:
         transaction.jobs.cancel(job_id)
-        job = _job(transaction, job_id)
+        job = _job(context, transaction, job_id)
     context.wake()
     return job
 
 
-def _job(transaction: Transaction, job_id: str) -> Job:
-    return job_of(transaction.jobs.detail(job_id), PREFIX)
+def _job(context: ApiContext, transaction: Transaction, job_id: str) -> Job:
+    return job_of(transaction.jobs.detail(job_id), context.base)

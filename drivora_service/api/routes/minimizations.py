@@ -26,7 +26,6 @@ from drivora_service.api.schemas.minimizations import (
     MinimizationRequest,
     minimization_of,
 )
-from drivora_service.api_paths import PREFIX
 from drivora_service.shapes import to_json
 from drivora_service.store.minimizations.minimization_records import MinimizationSummary
 from drivora_service.store.runs.run_records import Page
@@ -75,10 +74,10 @@ def minimize_run(
             new = _new(context, transaction, run_id, wanted, owner_id=owner_id)
             minimization_id = transaction.minimizations.open(new)
             headers = {
-                "Location": f"{PREFIX}/minimizations/{minimization_id}",
+                "Location": f"{context.base}/minimizations/{minimization_id}",
                 "Retry-After": _POLL_AFTER_S,
             }
-            body = to_json(Minimization, _minimization(transaction, minimization_id))
+            body = to_json(Minimization, _minimization(context, transaction, minimization_id))
             return Answer(status=202, headers=headers, body=body.decode())
 
         return Work(commit=commit)
@@ -116,7 +115,7 @@ def list_minimizations(
 def get_minimization(request: Request, context: Context, minimization_id: str) -> Response:
     """Returns a minimisation with its progress and the smallest scenario so far."""
     with context.database.read() as transaction:
-        minimization = _minimization(transaction, minimization_id)
+        minimization = _minimization(context, transaction, minimization_id)
     response = json_answer(request, Minimization, minimization)
     if minimization.state.is_active:
         response.headers["Retry-After"] = _POLL_AFTER_S
@@ -138,7 +137,7 @@ def cancel_minimization(context: Context, minimization_id: str) -> Minimization:
 def _cancel(context: ApiContext, minimization_id: str) -> Minimization:
     with context.database.write() as transaction:
         transaction.minimizations.cancel(minimization_id)
-        minimization = _minimization(transaction, minimization_id)
+        minimization = _minimization(context, transaction, minimization_id)
     context.minimizations.wake()
     context.wake()
     return minimization
@@ -167,5 +166,7 @@ def _new(
     )
 
 
-def _minimization(transaction: Transaction, minimization_id: str) -> Minimization:
-    return minimization_of(transaction.minimizations.get(minimization_id), PREFIX)
+def _minimization(
+    context: ApiContext, transaction: Transaction, minimization_id: str
+) -> Minimization:
+    return minimization_of(transaction.minimizations.get(minimization_id), context.base)

@@ -24,7 +24,6 @@ from drivora_service.api.schemas.catalogues import (
     NetworkSummary,
 )
 from drivora_service.api.schemas.network_geometry import NetworkGeometry
-from drivora_service.api_paths import PREFIX
 from drivora_service.errors import Conflict, NothingStored
 from drivora_service.networks.importing.source_formats import SourceFormat
 from drivora_service.networks.road_network import RoadNetwork
@@ -58,7 +57,7 @@ _Replace = Annotated[
 def list_networks(request: Request, context: Context) -> Response:
     """Lists the networks, shipped and imported."""
     items = tuple(
-        NetworkSummary(name=name, url=f"{PREFIX}/networks/{name}")
+        NetworkSummary(name=name, url=f"{context.base}/networks/{name}")
         for name in context.networks.names()
     )
     return json_answer(request, NetworkList, NetworkList(items=items))
@@ -92,10 +91,10 @@ async def import_network(
         client=client_name(request),
     )
     return Response(
-        to_json(Network, network_view(network)),
+        to_json(Network, network_view(network, context.base)),
         status_code=201,
         media_type=JSON,
-        headers={"Location": f"{PREFIX}/networks/{name}"},
+        headers={"Location": f"{context.base}/networks/{name}"},
     )
 
 
@@ -107,7 +106,7 @@ async def import_network(
 def get_network(request: Request, context: Context, name: str) -> Response:
     """Describes a network."""
     network = context.networks.get(name)
-    return json_answer(request, Network, network_view(network), etag=network.sha256)
+    return json_answer(request, Network, network_view(network, context.base), etag=network.sha256)
 
 
 @router.get(
@@ -122,8 +121,8 @@ def get_geometry(request: Request, context: Context, name: str) -> Response:
     return compressed_answer(request, lambda: geometry_json(network), media_type=JSON, etag=etag)
 
 
-def network_view(network: RoadNetwork) -> Network:
-    """Returns a network as the API shows it."""
+def network_view(network: RoadNetwork, base: str) -> Network:
+    """Returns a network as the API shows it; ``base`` is the address of the API."""
     driven = [lane for lane in network.lanes if lane.drivable and not lane.is_internal]
     return Network(
         name=network.name,
@@ -134,7 +133,7 @@ def network_view(network: RoadNetwork) -> Network:
         drivable_km=round(sum(lane.length for lane in driven) / 1000.0, 3),
         traffic_lights=len(network.programs),
         has_sidewalks=any(lane.walkable and not lane.drivable for lane in network.lanes),
-        geometry_url=f"{PREFIX}/networks/{network.name}/geometry",
+        geometry_url=f"{base}/networks/{network.name}/geometry",
     )
 
 

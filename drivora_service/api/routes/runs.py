@@ -25,7 +25,6 @@ from drivora_service.api.guards.authorization import reader
 from drivora_service.api.guards.entity_tags import JSON, bytes_answer, digest, json_answer
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.runs import Run, run_of
-from drivora_service.api_paths import PREFIX
 from drivora_service.scenario.canonical import from_canonical
 from drivora_service.scenario.documents import document_text
 from drivora_service.scenario.exporting import to_document
@@ -86,7 +85,7 @@ def get_run(request: Request, context: Context, run_id: str) -> Response:
     """Returns a run with its results."""
     with context.database.read() as transaction:
         run = find_run(transaction, run_id)
-    return json_answer(request, Run, run_of(run, PREFIX))
+    return json_answer(request, Run, run_of(run, context.base))
 
 
 @router.get(

@@ -8,7 +8,7 @@ from typing import Literal, NoReturn
 
 from fastapi import FastAPI, Request, Response
 
-from drivora_service.api.context import Context
+from drivora_service.api.context import ApiContext, Context
 from drivora_service.api.documentation import recorded_examples
 from drivora_service.api.documentation.openapi import answers, no_content
 from drivora_service.api.guards.api_tokens import Scope
@@ -60,8 +60,8 @@ async def begin_session(request: Request, context: Context, given: SessionReques
         COOKIE,
         secret,
         max_age=int(LIFETIME.total_seconds()),
-        path="/",
-        secure=_is_https(request),
+        path=context.root_path or "/",
+        secure=_is_https(request, context),
         httponly=True,
         samesite="strict",
     )
@@ -90,7 +90,11 @@ async def end_session(request: Request, context: Context) -> Response:
         await asyncio.to_thread(context.sessions.end, secret)
     response = Response(status_code=204, headers=_NOT_STORED)
     response.delete_cookie(
-        COOKIE, path="/", secure=_is_https(request), httponly=True, samesite="strict"
+        COOKIE,
+        path=context.root_path or "/",
+        secure=_is_https(request, context),
+        httponly=True,
+        samesite="strict",
     )
     return response
 
@@ -116,7 +120,11 @@ async def _refuse_slowly(api: FastAPI) -> NoReturn:
     )
 
 
-def _is_https(request: Request) -> bool:
-    # Behind a proxy that ends the encryption, too.
+def _is_https(request: Request, context: ApiContext) -> bool:
+    """Returns whether the page was loaded by HTTPS, also through a proxy that ends it.
+
+    A client that claims so in a header gets a cookie that its browser does not send without it.
+    """
     forwarded = request.headers.get("x-forwarded-proto", "")
-    return "https" in (request.url.scheme, forwarded.partition(",")[0].strip().lower())
+    schemes = (request.url.scheme, forwarded.partition(",")[0].strip().lower())
+    return context.is_public_https or "https" in schemes

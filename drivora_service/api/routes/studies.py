@@ -23,7 +23,6 @@ from drivora_service.api.schemas.studies import (
     study_in_list,
     study_of,
 )
-from drivora_service.api_paths import PREFIX
 from drivora_service.shapes import to_json
 from drivora_service.store.campaigns.campaign_records import CampaignRequest
 from drivora_service.store.runs.run_records import Page
@@ -71,7 +70,7 @@ def post_study(
         def commit(transaction: Transaction) -> Answer:
             study_id = store_study(transaction, valid, context.studies)
             study = _study(context, transaction, study_id, valid.notes)
-            headers = {"Location": f"{PREFIX}/studies/{study_id}", "Retry-After": _POLL_AFTER_S}
+            headers = {"Location": f"{context.base}/studies/{study_id}", "Retry-After": _POLL_AFTER_S}
             return Answer(status=202, headers=headers, body=to_json(Study, study).decode())
 
         return Work(commit=commit)
@@ -297,4 +296,6 @@ def _study(
     record = transaction.studies.get(study_id)
     scenes = transaction.studies.scenes(study_id)
     missing = transaction.campaign_views.missing_results(study_id=study_id)
-    return study_of(record, scenes, PREFIX, has_process=has_process, missing=missing, notes=notes)
+    return study_of(
+        record, scenes, context.base, has_process=has_process, missing=missing, notes=notes
+    )

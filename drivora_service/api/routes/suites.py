@@ -16,7 +16,6 @@ from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.guards.idempotency_keys import Answer, IdempotencyKey, Work, run_once
 from drivora_service.api.resource_router import resource_router
 from drivora_service.api.schemas.suites import SuiteList, SuiteRunRequest
-from drivora_service.api_paths import PREFIX
 from drivora_service.shapes import to_json
 from drivora_service.store.runs.run_records import Page
 from drivora_service.store.suites.suite_records import SuiteHistory, SuiteRunRecord, SuiteRunSummary
@@ -94,7 +93,7 @@ def post_suite_run(
         record = transaction.suite_runs.get(suite_run_id)
         return Answer(
             status=201,
-            headers={"Location": f"{PREFIX}/suite-runs/{suite_run_id}"},
+            headers={"Location": f"{context.base}/suite-runs/{suite_run_id}"},
             body=to_json(SuiteRunRecord, record).decode(),
         )
 

@@ -20,6 +20,13 @@ _START_S = 180.0
 """A fresh installation compiles first, which takes a busy machine more than a minute."""
 _STOP_S = 20.0
 _POLL_S = 0.05
+_OWN_SETTINGS = {
+    # A command has no use for runs that it has not waited for.
+    "DRIVORA_DRAIN_S": "0",
+    # No proxy leads to it, whatever leads to the service of this environment.
+    "DRIVORA_PUBLIC_URL": "",
+    "DRIVORA_ROOT_PATH": "",
+}
 
 
 @contextmanager
@@ -48,8 +55,7 @@ def run_service(
             [*command, *options, "--port", "0"],
             stdout=log,
             stderr=log,
-            # A command has no use for runs that it has not waited for.
-            env={**os.environ, "DRIVORA_DRAIN_S": "0"},
+            env={**os.environ, **_OWN_SETTINGS},
         )
     try:
         meanwhile()

@@ -24,6 +24,10 @@ def serve(
     executor: ExecutorOption = None,
     ray_address: RayAddressOption = None,
     data_dir: DataDirOption = None,
+    root_path: Annotated[
+        str | None,
+        typer.Option(help="Path that the service is under behind a proxy, such as /drivora."),
+    ] = None,
     log_format: Annotated[str | None, typer.Option(help="console or json.")] = None,
     log_level: Annotated[str | None, typer.Option(help="debug, info, warning or error.")] = None,
 ) -> None:
@@ -49,6 +53,7 @@ def serve(
             executor=executor,
             ray_address=ray_address,
             data_dir=data_dir,
+            root_path=root_path,
             log_format=log_format,
             log_level=log_level,
         )

@@ -4,6 +4,7 @@ import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { Problem } from "./api/client";
 import { makeRouter } from "./router";
+import { addressOf, ROOT } from "./service";
 import { SESSION_KEY } from "./shell/session";
 import { applyTheme } from "./shell/theme";
 import "./style/index.css";
@@ -30,6 +31,14 @@ const queries: QueryClient = new QueryClient({
     },
   },
 });
+
+// A document that was asked for without the path of the proxy, from the service itself.
+if (!`${window.location.pathname}/`.startsWith(`${ROOT}/`))
+  window.history.replaceState(
+    null,
+    "",
+    addressOf(window.location.pathname + window.location.search),
+  );
 
 const router = makeRouter(queries);
 

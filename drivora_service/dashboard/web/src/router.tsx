@@ -10,6 +10,7 @@ import { NotFound } from "./components/States";
 import { lazyScreen } from "./screen";
 import { prepareRun } from "./screens/replay/runQuery";
 import { firstScreen } from "./screens/start/first";
+import { ROOT } from "./service";
 import { ScreenError } from "./shell/ScreenError";
 import { Shell } from "./shell/Shell";
 
@@ -179,6 +180,7 @@ const screens = [
 export function makeRouter(queries: QueryClient) {
   return createRouter({
     routeTree: root.addChildren(screens),
+    basepath: ROOT || "/",
     context: { queries },
     parseSearch,
     stringifySearch,

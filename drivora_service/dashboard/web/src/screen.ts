@@ -1,4 +1,5 @@
 import { lazyRouteComponent } from "@tanstack/react-router";
+import { addressOf } from "./service";
 
 const FIRST_WAIT_MS = 400;
 const LONGEST_WAIT_MS = 4000;
@@ -39,7 +40,7 @@ export class ScreenNotLoaded extends Error {
 
 async function serviceAnswers(): Promise<boolean> {
   try {
-    return (await fetch("/healthz", { cache: "no-store" })).ok;
+    return (await fetch(addressOf("/healthz"), { cache: "no-store" })).ok;
   } catch {
     return false;
   }

@@ -1,4 +1,5 @@
 import createClient, { type Middleware } from "openapi-fetch";
+import { serviceAddress } from "../service";
 import type { components, paths } from "./schema";
 
 export type Schemas = components["schemas"];
@@ -25,7 +26,7 @@ const refusals: Middleware = {
   },
 };
 
-export const api = createClient<paths>({ baseUrl: window.location.origin });
+export const api = createClient<paths>({ baseUrl: serviceAddress() });
 api.use(refusals);
 
 /** Reads the problem of a refused request. */

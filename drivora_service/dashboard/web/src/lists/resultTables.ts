@@ -1,4 +1,5 @@
 import type { paths } from "../api/schema";
+import { addressOf } from "../service";
 
 type Table = paths["/api/v1/tables/{table}"]["get"]["parameters"]["path"]["table"];
 
@@ -20,5 +21,5 @@ export function tableAddress(table: Table, conditions: Conditions): string {
       [values].flat().map((value): [string, string] => [name, value]),
     ),
   );
-  return `/api/v1/tables/${table}${query.size > 0 ? `?${query}` : ""}`;
+  return addressOf(`/api/v1/tables/${table}${query.size > 0 ? `?${query}` : ""}`);
 }

@@ -1,3 +1,4 @@
+import { addressOf } from "../service";
 import { read, type Told } from "./messages";
 
 const FIRST_WAIT_MS = 500;
@@ -18,7 +19,7 @@ export class Connection {
   private open(): void {
     this.timer = undefined;
     const from = this.after ? `?after=${this.after}` : "";
-    const source = new EventSource(`/api/v1/events${from}`);
+    const source = new EventSource(addressOf(`/api/v1/events${from}`));
     this.source = source;
     source.addEventListener("begin", (event) => {
       this.wait = FIRST_WAIT_MS;

@@ -3,6 +3,7 @@ import { useEffect, useState } from "react";
 import { Loading } from "../components/States";
 import { LiveState } from "../live/LiveState";
 import { useLiveQueries } from "../live/useLiveQueries";
+import { addressOf } from "../service";
 import { KeysHelp } from "./KeysHelp";
 import { handleKey, useKeys } from "./keys";
 import { SearchField } from "./SearchField";
@@ -39,7 +40,7 @@ export function Shell() {
       </a>
       <header className="top">
         <Link to="/" className="brand">
-          <img src="/icon.svg" alt="" />
+          <img src={addressOf("/icon.svg")} alt="" />
           Drivora
         </Link>
         {!signedOut && <Sections path={path} />}

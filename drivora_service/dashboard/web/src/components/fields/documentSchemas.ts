@@ -1,5 +1,6 @@
 import { queryOptions } from "@tanstack/react-query";
 import { Problem, problemOf } from "../../api/client";
+import { addressOf } from "../../service";
 import type { Definitions } from "./jsonSchema";
 
 interface Described {
@@ -10,7 +11,7 @@ interface Described {
 export const documentSchemas = queryOptions({
   queryKey: ["document-schemas"],
   queryFn: async (): Promise<Definitions> => {
-    const answer = await fetch("/api/v1/openapi.json").catch(() => undefined);
+    const answer = await fetch(addressOf("/api/v1/openapi.json")).catch(() => undefined);
     if (!answer)
       throw new Problem(0, "No answer", "The service does not answer. Is it still running?");
     if (!answer.ok) throw await problemOf(answer);

@@ -12,6 +12,7 @@ import { Shares } from "../../components/Shares";
 import { Empty, Loading, Refused } from "../../components/States";
 import { News } from "../../lists/News";
 import { useLiveList } from "../../lists/useLiveList";
+import { serviceAddress } from "../../service";
 import { useTitle } from "../../shell/useTitle";
 import { NOT_JUDGED } from "../runs/status";
 import { BatchActions } from "./BatchActions";
@@ -159,7 +160,7 @@ export function Batches() {
       ) : rows.length === 0 ? (
         <Empty
           title={priority.length > 0 ? "No batch matches" : "No batch yet"}
-          command={`drivora run scenarios/ --server ${window.location.origin}`}
+          command={`drivora run scenarios/ --server ${serviceAddress()}`}
         >
           <p>Scenarios that are submitted together are a batch.</p>
         </Empty>

@@ -8,6 +8,7 @@ import { fixed } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
 import { MeasureHelp } from "../../help/MeasureHelp";
 import { OracleHelp } from "../../help/OracleHelp";
+import { serviceAddress } from "../../service";
 import { SearchFrom } from "../compose/SearchFrom";
 import { ACCOUNTABILITY, kindText, plain } from "../failures/words";
 import { replayUpTo } from "../replay/address";
@@ -79,7 +80,7 @@ function Verdicts({
 }) {
   const { failures, failure_kinds, accountability, number, status, cause, run_id, run_url } =
     evaluation;
-  const command = replayCommand(run_id, window.location.origin);
+  const command = replayCommand(run_id, serviceAddress());
   return (
     <section className="panel">
       <header>

@@ -7,6 +7,7 @@ import { count } from "../../components/numbers";
 import { Loading, Refused } from "../../components/States";
 import { Tabs } from "../../components/Tabs";
 import { Warnings } from "../../components/Warnings";
+import { addressOf } from "../../service";
 import { useTitle } from "../../shell/useTitle";
 import { Actions } from "../campaigns/Actions";
 import { lookOfSearch } from "../campaigns/state";
@@ -101,7 +102,11 @@ function Tables({ id }: { readonly id: string }) {
     <span className="doing">
       CSV:
       {(["evaluations", "failures"] as const).map((table) => (
-        <a key={table} href={`/api/v1/campaigns/${id}/tables/${table}`} download={`${table}.csv`}>
+        <a
+          key={table}
+          href={addressOf(`/api/v1/campaigns/${id}/tables/${table}`)}
+          download={`${table}.csv`}
+        >
           {table}
         </a>
       ))}

@@ -4,6 +4,7 @@ import { api, body, type Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { Picture, violationQuery } from "../../components/Picture";
 import { Loading, Refused } from "../../components/States";
+import { addressOf } from "../../service";
 import { ACCOUNTABILITY, kindText } from "../failures/words";
 import { useEvaluation } from "./evaluation";
 
@@ -48,7 +49,9 @@ function Card({
     <li className="card">
       {worst && data?.observations_url && (
         <Picture
-          src={`/api/v1/campaigns/${campaign}/evaluations/${evaluation.number}/picture${violationQuery(worst)}`}
+          src={addressOf(
+            `/api/v1/campaigns/${campaign}/evaluations/${evaluation.number}/picture${violationQuery(worst)}`,
+          )}
           alt={`Moments of evaluation ${evaluation.number}`}
         />
       )}

@@ -8,6 +8,7 @@ import { Filters } from "../../components/Filters";
 import { Empty, Loading, Refused } from "../../components/States";
 import { News } from "../../lists/News";
 import { useLiveList } from "../../lists/useLiveList";
+import { serviceAddress } from "../../service";
 import { useTitle } from "../../shell/useTitle";
 import { NewLink } from "../compose/NewLink";
 import { COLUMNS } from "./columns";
@@ -73,7 +74,7 @@ export function Campaigns() {
       ) : rows.length === 0 ? (
         <Empty
           title={Object.keys(filters).length > 0 ? "No campaign matches" : "No campaign yet"}
-          command={`drivora campaign run campaign.yaml --server ${window.location.origin}`}
+          command={`drivora campaign run campaign.yaml --server ${serviceAddress()}`}
         >
           <p>
             A campaign searches for failures of an ADS.

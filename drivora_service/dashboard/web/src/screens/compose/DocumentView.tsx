@@ -5,6 +5,7 @@ import type { JsonObject } from "../../components/fields/pointers";
 import { fileNameOf } from "../../documents/files";
 import { writeJson } from "../../documents/json";
 import { save } from "../../documents/save";
+import { serviceAddress } from "../../service";
 import type { Kind } from "./draft";
 
 type Form = "json" | "yaml";
@@ -33,7 +34,7 @@ export function DocumentView({
   });
   const text = form === "json" ? writeJson(document) : (yaml.data ?? "");
   const file = `${fileNameOf(name)}.${form}`;
-  const command = `drivora ${kind} run ${file} --server ${window.location.origin}`;
+  const command = `drivora ${kind} run ${file} --server ${serviceAddress()}`;
   return (
     <section className="panel" aria-label="Document">
       <header>

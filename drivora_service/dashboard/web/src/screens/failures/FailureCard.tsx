@@ -6,6 +6,7 @@ import { Mark } from "../../components/Mark";
 import { moment } from "../../components/numbers";
 import { Picture } from "../../components/Picture";
 import { OracleHelp } from "../../help/OracleHelp";
+import { serviceAddress } from "../../service";
 import { SearchFrom } from "../compose/SearchFrom";
 import { replayUpTo } from "../replay/address";
 import { replayCommand } from "../replay/againCommand";
@@ -22,7 +23,7 @@ export function whyNone({ confirmation }: Schemas["FoundFailure"]): string {
 /** A failure: its picture, its sentence, and where it comes from. */
 export function FailureCard({ failure }: { readonly failure: Schemas["FoundFailure"] }) {
   const { verdict, campaign_id, evaluation, accountability } = failure;
-  const command = failure.run_id && replayCommand(failure.run_id, window.location.origin);
+  const command = failure.run_id && replayCommand(failure.run_id, serviceAddress());
   return (
     <section className="panel failure-card" aria-live="polite">
       <Picture

@@ -10,6 +10,7 @@ import { count } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
 import { News } from "../../lists/News";
 import { useLiveList } from "../../lists/useLiveList";
+import { serviceAddress } from "../../service";
 import { useTitle } from "../../shell/useTitle";
 import { BaselineMenu } from "./BaselineMenu";
 import { BASELINE, failureFilters, GROUP_FILTERS, SINCE_FILTER } from "./filters";
@@ -105,7 +106,7 @@ function Groups({
     return (
       <Empty
         title={Object.keys(filters).length > 0 ? "No failure matches" : "No failure yet"}
-        command={`drivora campaign run campaign.yaml --server ${window.location.origin}`}
+        command={`drivora campaign run campaign.yaml --server ${serviceAddress()}`}
       >
         <p>
           A campaign searches for failures.

@@ -5,6 +5,7 @@ import type { Search } from "../../address";
 import { api, body } from "../../api/client";
 import { Copy } from "../../components/Copy";
 import { Loading, Refused } from "../../components/States";
+import { serviceAddress } from "../../service";
 import { useKeys } from "../../shell/keys";
 import { useTitle } from "../../shell/useTitle";
 import { GroupDecision } from "./GroupDecision";
@@ -101,7 +102,7 @@ export function GroupScreen({
           >
             Next
           </button>
-          <Copy text={`${window.location.origin}/failures?group=${id}`} label="Copy link" />
+          <Copy text={`${serviceAddress()}/failures?group=${id}`} label="Copy link" />
         </div>
       </div>
       {query.isPending && <Loading rows={4} />}

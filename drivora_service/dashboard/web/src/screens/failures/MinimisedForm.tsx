@@ -3,6 +3,7 @@ import { Link } from "@tanstack/react-router";
 import { api, body, type Schemas } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { Picture } from "../../components/Picture";
+import { addressOf } from "../../service";
 import { leftWords, lookOfMinimization } from "../minimizations/minimization";
 
 /** The smallest scenario that fails in the same way, beside the failure; the newest, if any. */
@@ -32,7 +33,7 @@ export function MinimisedForm({ failure }: { readonly failure: Schemas["FoundFai
       </h3>
       {minimal && (
         <Picture
-          src={`/api/v1/runs/${minimal}/picture`}
+          src={addressOf(`/api/v1/runs/${minimal}/picture`)}
           alt={`Moments of the smallest scenario that fails like: ${failure.sentence}`}
         />
       )}

@@ -1,5 +1,6 @@
 import { Link } from "@tanstack/react-router";
 import { Picture } from "../../components/Picture";
+import { addressOf } from "../../service";
 import { isActive, type Minimization, type Size, sizeWords } from "./minimization";
 
 /** The run of the scenario as it was beside that of the smallest one. */
@@ -50,7 +51,7 @@ function Side({
         )}
       </header>
       <Picture
-        src={runId && `/api/v1/runs/${runId}/picture`}
+        src={runId && addressOf(`/api/v1/runs/${runId}/picture`)}
         alt={`Moments of the run ${title.toLowerCase()} the minimisation`}
         none={none}
       />

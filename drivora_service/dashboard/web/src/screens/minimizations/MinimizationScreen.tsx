@@ -22,6 +22,7 @@ import {
 import { SizeTable } from "./SizeTable";
 import { SmallestScenario } from "./SmallestScenario";
 import "./minimizations.css";
+import { serviceAddress } from "../../service";
 
 /** A minimisation: how far it is, what became smaller, and the smallest scenario. */
 export function MinimizationScreen() {
@@ -60,10 +61,7 @@ export function MinimizationScreen() {
               Compare both replays
             </Link>
           )}
-          <Copy
-            text={minimizeCommand(minimization, window.location.origin)}
-            label="Copy the command"
-          />
+          <Copy text={minimizeCommand(minimization, serviceAddress())} label="Copy the command" />
         </div>
       </div>
       <Facts minimization={minimization} />
@@ -125,7 +123,7 @@ function Progress({
 /** What can be done where a minimisation has ended without its result. */
 function NotDone({ minimization }: { readonly minimization: Minimization }) {
   const { state, before } = minimization;
-  const command = minimizeCommand(minimization, window.location.origin);
+  const command = minimizeCommand(minimization, serviceAddress());
   if (state === "failed")
     return (
       <Empty title="The failure could not be followed" command={command}>

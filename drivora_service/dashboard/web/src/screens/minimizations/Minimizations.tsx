@@ -10,6 +10,7 @@ import { Progress } from "../../components/Progress";
 import { Empty, Loading, Refused } from "../../components/States";
 import { News } from "../../lists/News";
 import { useLiveList } from "../../lists/useLiveList";
+import { serviceAddress } from "../../service";
 import { useTitle } from "../../shell/useTitle";
 import { ACCOUNTABILITY } from "../failures/words";
 import { oracleName } from "../replay/verdictWords";
@@ -128,7 +129,7 @@ export function Minimizations() {
       ) : rows.length === 0 ? (
         <Empty
           title={filters.run ? "This run was not minimised" : "No minimisation yet"}
-          command={`drivora minimize ${filters.run ?? "RUN"} --server ${window.location.origin}`}
+          command={`drivora minimize ${filters.run ?? "RUN"} --server ${serviceAddress()}`}
         >
           <p>
             <em>Minimise</em> at the replay of a run with an ego at fault begins one, and so does

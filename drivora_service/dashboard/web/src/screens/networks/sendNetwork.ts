@@ -1,3 +1,4 @@
+import { addressOf } from "../../service";
 /** Sends the file of a network to the service. */
 
 import { Problem, problemOf, type Schemas } from "../../api/client";
@@ -20,7 +21,7 @@ export function sendNetwork(file: File, sending: Sending): Promise<Schemas["Netw
   const words = new URLSearchParams({ name, format, replace: String(replace) });
   return new Promise((done, refuse) => {
     const request = new XMLHttpRequest();
-    request.open("POST", `/api/v1/networks?${words}`);
+    request.open("POST", addressOf(`/api/v1/networks?${words}`));
     request.setRequestHeader("Content-Type", "application/octet-stream");
     request.upload.onprogress = ({ loaded, total }) => onSent(total > 0 ? loaded / total : 0);
     request.upload.onload = () => onSent(1);

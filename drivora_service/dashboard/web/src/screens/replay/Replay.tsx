@@ -5,6 +5,7 @@ import { CopyLink } from "../../components/CopyLink";
 import { Loading, Refused } from "../../components/States";
 import { type Camera, cameraText } from "../../roads/camera";
 import { useGeometry } from "../../roads/useGeometry";
+import { serviceAddress } from "../../service";
 import { useKeys } from "../../shell/keys";
 import { ActorList } from "./ActorList";
 import { AgentLog } from "./AgentLog";
@@ -196,7 +197,7 @@ function Player({
         run={run}
         untilOf={avoidableUntil}
         onMoment={jump}
-        rejudge={rejudgeCommand(run, window.location.origin)}
+        rejudge={rejudgeCommand(run, serviceAddress())}
       />
       {state.beside && (
         <CompareLine

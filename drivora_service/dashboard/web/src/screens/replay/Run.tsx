@@ -22,6 +22,7 @@ import { Replays } from "./Replays";
 import { runQuery } from "./runQuery";
 import { blameWords, failuresOf, gravestFirst, oracleName, toneOf } from "./verdictWords";
 import "./replay.css";
+import { addressOf, serviceAddress } from "../../service";
 
 /** A run: its replay, or why there is none. */
 export function Run() {
@@ -50,7 +51,7 @@ export function Run() {
           </span>
           <span className="copies-command">
             <Copy
-              text={againCommand(run, window.location.origin)}
+              text={againCommand(run, serviceAddress())}
               label="Copy the command that runs it again"
             />
           </span>
@@ -64,7 +65,7 @@ export function Run() {
           </Link>
           <a
             className="button"
-            href={`/api/v1/runs/${run.id}/scenario`}
+            href={addressOf(`/api/v1/runs/${run.id}/scenario`)}
             download={`${fileNameOf(run.label || run.id)}.json`}
             title="Save the scenario of this run as a file"
           >
@@ -151,7 +152,7 @@ function NoRecording({ run }: { readonly run: Schemas["Run"] }) {
         <Verdicts run={run} />
         <Empty
           title="The run was not recorded, or its recording was pruned"
-          command={againCommand(run, window.location.origin)}
+          command={againCommand(run, serviceAddress())}
         >
           <p>
             Its verdicts are kept. Run again, it is recorded and can be seen; the command compares
@@ -164,7 +165,7 @@ function NoRecording({ run }: { readonly run: Schemas["Run"] }) {
   return (
     <Empty
       title={`Not judged: ${lookOfRun(run).text}`}
-      command={againCommand(run, window.location.origin)}
+      command={againCommand(run, serviceAddress())}
     >
       {run.cause && <p>{run.cause.replaceAll("_", " ")}</p>}
       {run.error && <p>{run.error.message}</p>}

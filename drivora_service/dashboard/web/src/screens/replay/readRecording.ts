@@ -1,5 +1,6 @@
 import { RecordBatchReader } from "apache-arrow";
 import { problemOf } from "../../api/client";
+import { addressOf } from "../../service";
 import { COLUMNS, EGO_COLUMNS, Recording } from "./recording";
 
 /** Reads a run's recording; tells of each part that has come, the first with the first steps. */
@@ -9,7 +10,7 @@ export async function readRecording(
   onPart: (recording: Recording) => void,
 ): Promise<void> {
   const wanted = new URLSearchParams([...COLUMNS, ...EGO_COLUMNS].map((name) => ["column", name]));
-  const answer = await fetch(`/api/v1/runs/${run}/observations?${wanted}`, {
+  const answer = await fetch(addressOf(`/api/v1/runs/${run}/observations?${wanted}`), {
     headers: { Accept: "application/vnd.apache.arrow.stream" },
     signal,
   });

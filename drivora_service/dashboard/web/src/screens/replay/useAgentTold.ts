@@ -1,6 +1,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { type RecordBatch, RecordBatchReader } from "apache-arrow";
 import { problemOf } from "../../api/client";
+import { addressOf } from "../../service";
 import { AgentTold } from "./plans";
 import type { Recording } from "./recording";
 
@@ -11,7 +12,7 @@ export function useAgentTold(run: string, recording: Recording, wanted: boolean)
   return useQuery({
     queryKey: ["run", run, "told by agents"],
     queryFn: async ({ signal }) => {
-      const answer = await fetch(`/api/v1/runs/${run}/observations?rows=egos`, {
+      const answer = await fetch(addressOf(`/api/v1/runs/${run}/observations?rows=egos`), {
         headers: { Accept: "application/vnd.apache.arrow.stream" },
         signal,
       });

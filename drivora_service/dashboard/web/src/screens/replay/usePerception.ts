@@ -1,4 +1,5 @@
 import { useQuery } from "@tanstack/react-query";
+import { addressOf } from "../../service";
 import { readArrow } from "./arrowTable";
 import { PerceivedActors } from "./perception";
 
@@ -14,7 +15,11 @@ export function usePerception(
     queryKey: ["run", run, "perception", ego],
     queryFn: async ({ signal }) =>
       new PerceivedActors(
-        await readArrow(`/api/v1/runs/${run}/perception?ego=${ego}`, "drivora_perception", signal),
+        await readArrow(
+          addressOf(`/api/v1/runs/${run}/perception?ego=${ego}`),
+          "drivora_perception",
+          signal,
+        ),
         steps,
         actors,
       ),

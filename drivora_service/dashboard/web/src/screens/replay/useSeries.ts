@@ -1,5 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import type { Schemas } from "../../api/client";
+import { addressOf } from "../../service";
 import { type ArrowTable, readArrow } from "./arrowTable";
 
 /** Values of an ego by step, as oracles and metrics compute them. */
@@ -44,7 +45,11 @@ export function useSeries(run: string, ego: number) {
     queryKey: ["run", run, "series", ego],
     queryFn: async ({ signal }) =>
       new Series(
-        await readArrow(`/api/v1/runs/${run}/series?ego=${ego}`, "drivora_series", signal),
+        await readArrow(
+          addressOf(`/api/v1/runs/${run}/series?ego=${ego}`),
+          "drivora_series",
+          signal,
+        ),
       ),
     enabled: run !== "",
     structuralSharing: false,

@@ -1,4 +1,5 @@
 import { useEffect, useState } from "react";
+import { addressOf } from "../../service";
 import type { Run } from "./columns";
 
 const WAIT_MS = 250;
@@ -42,7 +43,7 @@ function Picture({ run, element }: Pointed) {
       }}
     >
       <img
-        src={`/api/v1/runs/${encodeURIComponent(run.id)}/picture`}
+        src={addressOf(`/api/v1/runs/${encodeURIComponent(run.id)}/picture`)}
         alt={`The run ${run.id} from above`}
         onLoad={() => setState("there")}
         onError={() => setState("none")}

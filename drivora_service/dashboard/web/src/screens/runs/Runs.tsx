@@ -14,6 +14,7 @@ import { News } from "../../lists/News";
 import { ResultTables } from "../../lists/ResultTables";
 import { useLiveList } from "../../lists/useLiveList";
 import { ViewMenu } from "../../lists/ViewMenu";
+import { serviceAddress } from "../../service";
 import { useTitle } from "../../shell/useTitle";
 import { CsvButton } from "./CsvButton";
 import { type Run, runColumns, USUAL_COLUMNS } from "./columns";
@@ -115,7 +116,7 @@ export function Runs() {
         ) : (
           <Empty
             title="No run yet"
-            command={`drivora run scenario.json --server ${window.location.origin}`}
+            command={`drivora run scenario.json --server ${serviceAddress()}`}
           >
             <p>Each scenario that is queued is a run: it is simulated, judged and measured.</p>
           </Empty>

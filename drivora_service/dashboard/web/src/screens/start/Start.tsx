@@ -1,11 +1,12 @@
 import type { ReactNode } from "react";
+import { serviceAddress } from "../../service";
 import { useTitle } from "../../shell/useTitle";
 import { NewLink } from "../compose/NewLink";
 
 /** What to do first, where nothing has run yet. */
 export function Start() {
   useTitle("");
-  const server = window.location.origin;
+  const server = serviceAddress();
   return (
     <>
       <div className="head">

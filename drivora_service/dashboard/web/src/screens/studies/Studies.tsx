@@ -6,6 +6,7 @@ import { count, moment } from "../../components/numbers";
 import { Progress } from "../../components/Progress";
 import { Empty, Loading, Refused } from "../../components/States";
 import { useList } from "../../lists/useList";
+import { serviceAddress } from "../../service";
 import { useTitle } from "../../shell/useTitle";
 import { Actions } from "../campaigns/Actions";
 import { lookOfSearch } from "../campaigns/state";
@@ -110,7 +111,7 @@ export function Studies() {
       ) : rows.length === 0 ? (
         <Empty
           title="No study yet"
-          command={`drivora study run study.yaml --server ${window.location.origin}`}
+          command={`drivora study run study.yaml --server ${serviceAddress()}`}
         >
           <p>A study runs a campaign for each scenario, ADS, method and repetition.</p>
           <NewLink to="/studies/new" isShort>

@@ -8,6 +8,7 @@ import { count } from "../../components/numbers";
 import { Progress } from "../../components/Progress";
 import { Loading, Refused } from "../../components/States";
 import { Warnings } from "../../components/Warnings";
+import { addressOf } from "../../service";
 import { useTitle } from "../../shell/useTitle";
 import { Actions } from "../campaigns/Actions";
 import { COLUMNS } from "../campaigns/columns";
@@ -124,7 +125,11 @@ function Tables({ id }: { readonly id: string }) {
     <span className="doing">
       CSV:
       {TABLES.map((table) => (
-        <a key={table} href={`/api/v1/studies/${id}/tables/${table}`} download={`${table}.csv`}>
+        <a
+          key={table}
+          href={addressOf(`/api/v1/studies/${id}/tables/${table}`)}
+          download={`${table}.csv`}
+        >
           {table}
         </a>
       ))}

@@ -5,6 +5,7 @@ import { api, body } from "../../api/client";
 import { Mark } from "../../components/Mark";
 import { count, moment } from "../../components/numbers";
 import { Empty, Loading, Refused } from "../../components/States";
+import { serviceAddress } from "../../service";
 import { useTitle } from "../../shell/useTitle";
 import { SuiteScreen } from "./SuiteScreen";
 import { driverOf, lookOfGate, shareWords } from "./suite";
@@ -32,7 +33,7 @@ function SuiteList() {
       {query.data?.length === 0 && (
         <Empty
           title="No suite was run yet"
-          command={`drivora suite run smoke --agent idm --server ${window.location.origin}`}
+          command={`drivora suite run smoke --agent idm --server ${serviceAddress()}`}
         >
           <p>A suite is a folder of scenarios with a gate, which CI runs.</p>
         </Empty>
