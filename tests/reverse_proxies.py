@@ -24,6 +24,10 @@ PROXIES = ("caddy", "caddy-strips", "nginx", "nginx-strips")
 """Kinds of proxies: each passes the whole path on, or takes the prefix off."""
 
 
+NO_PROXY = 3
+"""Exit code where the program of a proxy is not there."""
+
+
 def find_proxy(kind: str) -> str | None:
     """Returns the program of a kind of proxy; ``None`` where there is none."""
     name = kind.partition("-")[0]
@@ -111,3 +115,18 @@ def _wait_for(port: int, process: subprocess.Popen[bytes], log: Path) -> None:
         else:
             return
     raise AssertionError(f"the proxy does not listen:\n{log.read_text()}")
+
+
+def main(arguments: list[str]) -> int:
+    """Runs a proxy until the standard input ends: ``KIND SERVICE FOLDER``; prints its address."""
+    kind, service, folder = arguments
+    if find_proxy(kind) is None:
+        return NO_PROXY
+    with reverse_proxy(kind, service, Path(folder)) as url:
+        print(url, flush=True)
+        sys.stdin.read()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -132,6 +132,7 @@ def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
         tokens: TokenFile | None = None,
         patience_s: float = 30.0,
         storage_fault: Callable[[], str] = lambda: "",
+        is_public_https: bool = False,
     ) -> Offline:
         file = shutil.copy(empty_database, tmp_path / f"{len(opened)}.sqlite3")
         database = open_database(f"sqlite:///{file}", patience_s=patience_s)
@@ -169,6 +170,7 @@ def make_offline(tmp_path: Path, empty_database: Path) -> Iterator[MakeOffline]:
             faults=lambda: {"workers": "there are none"},
             storage_fault=storage_fault,
             stopping=lambda: False,
+            is_public_https=is_public_https,
         )
         app = create_api(context)
         url = stack.enter_context(served(app))

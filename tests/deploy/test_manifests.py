@@ -22,6 +22,7 @@ import pytest
 import yaml
 
 from drivora_service.settings import Settings
+from tests.reverse_proxies import find_proxy
 
 _COMPOSE = ("postgresql", "ray", "sqlite")
 _KUBERNETES = ("common", "ray", "servers")
@@ -70,6 +71,34 @@ def test_the_proxy_knows_all_servers(deploy: Path) -> None:
     servers = {name for name in content["services"] if name.startswith("server-")}
     proxy = (deploy / "compose" / "Caddyfile").read_text()
     assert {found[:-5] for found in re.findall(r"server-\d+:8000", proxy)} == servers
+
+
+@pytest.mark.skipif(find_proxy("caddy") is None, reason="Caddy is not on this machine")
+def test_the_file_of_the_proxy_can_be_used(deploy: Path) -> None:
+    program = find_proxy("caddy")
+    assert program is not None
+    file = deploy / "compose" / "Caddyfile"
+    command = [program, "validate", "--config", str(file), "--adapter", "caddyfile"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("name", [*_COMPOSE, "servers", "ray of Kubernetes"])
+def test_every_form_takes_a_public_address(deploy: Path, name: str) -> None:
+    if name in _COMPOSE:
+        services = yaml.safe_load((deploy / "compose" / f"{name}.yaml").read_text())["services"]
+        servers = [one for one in services if one == "drivora" or one.startswith("server-")]
+        assert servers
+        for server in servers:
+            given = services[server]["environment"]["DRIVORA_PUBLIC_URL"]
+            assert given == "${DRIVORA_PUBLIC_URL:-}"
+        return
+    (server,) = (
+        one for one in manifests(deploy, name.split()[0]) if one["kind"] == "Deployment"
+    )
+    (container,) = server["spec"]["template"]["spec"]["containers"]
+    variables = {one["name"]: one.get("value") for one in container["env"]}
+    assert variables["DRIVORA_PUBLIC_URL"] == ""
 
 
 @pytest.mark.parametrize("version", ["1.29", "1.37"])
@@ -348,7 +377,7 @@ def until_lines(path: Path, count: int) -> None:
 def test_shell_scripts_have_no_finding(deploy: Path) -> None:
     ci = deploy.parent / ".ci"
     scripts = [*deploy.rglob("*.sh"), *deploy.rglob("*.sbatch"), *ci.iterdir()]
-    assert len(scripts) == 5
+    assert len(scripts) == 6
     for script in scripts:
         subprocess.run(["bash", "-n", str(script)], check=True)
     shellcheck = Path(sys.executable).parent / "shellcheck"

@@ -161,6 +161,27 @@ def test_the_cookie_is_for_encrypted_connections_where_there_are(
     assert attributes(answer)["secure"] is True
 
 
+def test_the_cookie_is_for_encrypted_connections_where_the_public_address_is_one(
+    make_offline: MakeOffline, tokens: TokenFile, secret: str
+) -> None:
+    # The proxy does not say so.
+    answer = begin(make_offline(tokens=tokens, is_public_https=True).client, secret)
+    assert attributes(answer)["secure"] is True
+
+
+def test_of_two_cookies_the_first_counts_which_has_the_longer_path(
+    offline: Offline, secret: str
+) -> None:
+    own = begin(offline.client, secret).cookies[COOKIE]
+    offline.client.cookies.clear()
+    for cookies, status in (
+        (f"theme=dark; {COOKIE}={own}; {COOKIE}=of-another-service", 200),
+        (f"{COOKIE}=of-another-service; {COOKIE}={own}", 401),
+        (f"x{COOKIE}={own}", 401),
+    ):
+        assert offline.client.get(JOBS, headers={"Cookie": cookies}).status_code == status
+
+
 def test_only_hashes_are_kept_and_only_for_the_owner(
     tmp_path: Path, tokens: TokenFile, secret: str
 ) -> None:

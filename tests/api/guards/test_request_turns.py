@@ -62,3 +62,7 @@ def test_one_that_fails_keeps_no_other_from_its_turn() -> None:
 )
 def test_questions_about_health_are_urgent(request_line: bytes, urgent: bool) -> None:
     assert request_line.startswith(urgent_requests()) is urgent
+    assert request_line.startswith(urgent_requests("/drivora")) is urgent
+    below = request_line.replace(b" /", b" /drivora/")
+    assert below.startswith(urgent_requests("/drivora")) is urgent
+    assert not below.startswith(urgent_requests())

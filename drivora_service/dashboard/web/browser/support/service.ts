@@ -5,7 +5,7 @@ import { appendFileSync, existsSync, readFileSync, rmSync } from "node:fs";
 import { join, resolve } from "node:path";
 
 export const REPOSITORY = resolve(import.meta.dirname, "../../../../..");
-const PYTHON = process.env.DRIVORA_PYTHON ?? join(REPOSITORY, ".venv/bin/python");
+export const PYTHON = process.env.DRIVORA_PYTHON ?? join(REPOSITORY, ".venv/bin/python");
 const START_MS = 180_000;
 const STOP_MS = 30_000;
 
