@@ -218,9 +218,7 @@ def create_service(
         root_path=settings.resolved_root_path,
         is_public_https=settings.public_url.startswith("https:"),
     )
-    api = create_api(
-        context, lifespan, page=page_routes(root_path=settings.resolved_root_path)
-    )
+    api = create_api(context, lifespan, page=page_routes(root_path=settings.resolved_root_path))
 
     def end_requests() -> None:
         feed_of(api).close()

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -57,8 +58,13 @@ def reverse_proxy(kind: str, service: str, folder: Path) -> Iterator[str]:
         _wait_for(port, process, log)
         yield f"http://127.0.0.1:{port}/drivora"
     finally:
-        process.terminate()
-        process.wait(20)
+        # At once: they would wait for streams of events, which last.
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
 
 
 def documented(language: str) -> str:
@@ -94,7 +100,7 @@ def _caddy(kind: str, service: str, folder: Path, port: int) -> list[str]:
     if kind.endswith("strips"):
         site = site.replace("handle ", "handle_path ")
     config = folder / "Caddyfile"
-    config.write_text(f"{{\n\tadmin off\n\tpersist_config off\n}}\n{site}")
+    config.write_text(f"{{\n\tadmin off\n\tpersist_config off\n\tgrace_period 100ms\n}}\n{site}")
     return ["run", "--config", str(config), "--adapter", "caddyfile"]
 
 

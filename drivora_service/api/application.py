@@ -77,9 +77,7 @@ def create_api(
     api.router.routes.extend(page)
     methods.add(api.routes)
     install_problem_handlers(api, methods)
-    install_openapi(
-        api, tokens_needed=context.tokens is not None, root_path=context.root_path
-    )
+    install_openapi(api, tokens_needed=context.tokens is not None, root_path=context.root_path)
     # The last added is the outermost.
     api.add_middleware(HeadAsGet)
     api.add_middleware(WriteGate, storage_fault=context.storage_fault, stopping=context.stopping)

@@ -66,7 +66,7 @@ _NOT_BUILT = (
     "(`make install`, or `pip install`), or use the API: {root_path}/docs.\n"
 )
 _ADDRESS = re.compile(r'\b((?:href|src)=")/')
-"""Of a file of the page, in its document; scripts and styles name their files relative to themselves."""
+"""Of a file, in the document; scripts and styles name files relative to themselves."""
 
 
 def page_routes(built: Path = BUILT, *, root_path: str = "") -> Sequence[BaseRoute]:

@@ -93,9 +93,7 @@ def test_every_form_takes_a_public_address(deploy: Path, name: str) -> None:
             given = services[server]["environment"]["DRIVORA_PUBLIC_URL"]
             assert given == "${DRIVORA_PUBLIC_URL:-}"
         return
-    (server,) = (
-        one for one in manifests(deploy, name.split()[0]) if one["kind"] == "Deployment"
-    )
+    (server,) = (one for one in manifests(deploy, name.split()[0]) if one["kind"] == "Deployment")
     (container,) = server["spec"]["template"]["spec"]["containers"]
     variables = {one["name"]: one.get("value") for one in container["env"]}
     assert variables["DRIVORA_PUBLIC_URL"] == ""

@@ -41,7 +41,9 @@ class PathPrefix:
     def _without(self, path: str) -> str:
         if path == self._root_path:
             return "/"
-        return path.removeprefix(self._root_path) if path.startswith(f"{self._root_path}/") else path
+        return (
+            path.removeprefix(self._root_path) if path.startswith(f"{self._root_path}/") else path
+        )
 
 
 def public_path(scope: Scope) -> str:

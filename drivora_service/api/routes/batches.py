@@ -106,7 +106,10 @@ def post_batch(
                 rejected=len(checked.problems),
                 items=_item_results(checked, job_ids),
             )
-            headers = {"Location": f"{context.base}/batches/{batch.id}", "Retry-After": _POLL_AFTER_S}
+            headers = {
+                "Location": f"{context.base}/batches/{batch.id}",
+                "Retry-After": _POLL_AFTER_S,
+            }
             return Answer(
                 status=202, headers=headers, body=to_json(BatchSubmission, answer).decode()
             )

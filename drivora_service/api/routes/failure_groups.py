@@ -98,7 +98,9 @@ def list_groups(
     ]
     items = tuple(
         failure_group_of(
-            group, context.base, f"{context.base}/failures?{urlencode([*kept, ('group', group.id)])}"
+            group,
+            context.base,
+            f"{context.base}/failures?{urlencode([*kept, ('group', group.id)])}",
         )
         for group in page.items
     )

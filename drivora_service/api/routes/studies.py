@@ -70,7 +70,10 @@ def post_study(
         def commit(transaction: Transaction) -> Answer:
             study_id = store_study(transaction, valid, context.studies)
             study = _study(context, transaction, study_id, valid.notes)
-            headers = {"Location": f"{context.base}/studies/{study_id}", "Retry-After": _POLL_AFTER_S}
+            headers = {
+                "Location": f"{context.base}/studies/{study_id}",
+                "Retry-After": _POLL_AFTER_S,
+            }
             return Answer(status=202, headers=headers, body=to_json(Study, study).decode())
 
         return Work(commit=commit)

@@ -14,6 +14,7 @@ import { drivora, REPOSITORY, Service } from "./support/service";
 const KINDS = ["caddy", "nginx-strips"] as const;
 const TOWN = join(REPOSITORY, "sumo_nets", "tee-town", "tee-town.net.xml");
 const WAITING = { timeout: 60_000 };
+const SLOW = { timeout: 180_000 };
 const folder = mkdtempSync(join(tmpdir(), "drivora-path-"));
 const service = new Service(folder, {
   settings: { DRIVORA_REQUIRE_TOKENS: "true", DRIVORA_ROOT_PATH: "/drivora" },
@@ -54,7 +55,7 @@ describe.each(KINDS)("behind %s", (kind) => {
   });
   afterAll(() => proxy?.stop());
 
-  it("a deep link asks for a token, shows its screen, and goes on live", async ({ skip }) => {
+  it("a deep link asks for a token, shows its screen, and goes on live", SLOW, async ({ skip }) => {
     if (!proxy) skip();
     const api = new Api(url, token);
     const batch = await postBatch(api, `behind ${kind}`, shortScenarios(2));
@@ -71,7 +72,9 @@ describe.each(KINDS)("behind %s", (kind) => {
     // What others begin comes by the stream of events.
     await page.getByRole("link", { name: "Batches" }).click();
     await expect.poll(() => page.url()).toBe(`${url}/batches`);
+    await page.getByText(`behind ${kind}`).waitFor(WAITING);
     const later = await postBatch(api, `later behind ${kind}`, shortScenarios(1));
+    await page.getByRole("button", { name: /1 new/ }).click(WAITING);
     await page.getByText(`later behind ${kind}`).waitFor(WAITING);
     await api.until<{ done: boolean }>(`/batches/${later}`, ({ done }) => done);
 
@@ -82,7 +85,7 @@ describe.each(KINDS)("behind %s", (kind) => {
     await page.locator(".controls .time").waitFor(WAITING);
     await page.reload();
     await page.locator(".controls .time").waitFor(WAITING);
-    expect(await page.getByRole("link", { name: "Drivora" }).getAttribute("href")).toBe("/drivora");
+    expect(await page.getByRole("link", { name: "Drivora" }).getAttribute("href")).toBe("/drivora/");
     const shown = await page.locator("main").innerHTML();
     expect(shown).not.toMatch(/(?:src|href)="\/(?!drivora)/);
 
