@@ -63,6 +63,11 @@ def connection(
         raise ConfigurationError(
             f"{url!r} is no address of a service; one looks like http://127.0.0.1:8000"
         )
+    if parsed.query or parsed.fragment:
+        raise ConfigurationError(
+            f"{url!r} is no address of a service: it has a ? or #. An address ends with its host, "
+            "or with the path that the service is under, such as https://host/drivora"
+        )
     token = os.environ.get(TOKEN_VARIABLE, "") if token is None else token
     if not (token.isascii() and token.isprintable()) or " " in token:
         raise ConfigurationError(

@@ -407,7 +407,13 @@ def test_an_address_with_a_path_is_kept(client_at: MakeClient) -> None:
         assert server.asked[0].target == "/drivora/healthz"
 
 
-@pytest.mark.parametrize("url", ["", "127.0.0.1:8000", "ftp://x", "http://", "http://a:b", "x"])
+@pytest.mark.parametrize(
+    "url",
+    [
+        *("", "127.0.0.1:8000", "ftp://x", "http://", "http://a:b", "x"),
+        *("https://host/drivora?a=b", "https://host/drivora/#runs"),
+    ],
+)
 def test_what_is_no_address_is_refused(client_at: MakeClient, url: str) -> None:
     with pytest.raises(ConfigurationError, match="no address of a service"):
         client_at(url)
