@@ -72,7 +72,7 @@ describe.each(KINDS)("behind %s", (kind) => {
     // What others begin comes by the stream of events.
     await page.getByRole("link", { name: "Batches" }).click();
     await expect.poll(() => page.url()).toBe(`${url}/batches`);
-    await page.getByText(`behind ${kind}`).waitFor(WAITING);
+    await page.getByRole("link", { name: `behind ${kind}` }).waitFor(WAITING);
     const later = await postBatch(api, `later behind ${kind}`, shortScenarios(1));
     await page.getByRole("button", { name: /1 new/ }).click(WAITING);
     await page.getByText(`later behind ${kind}`).waitFor(WAITING);
