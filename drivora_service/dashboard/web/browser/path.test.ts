@@ -7,7 +7,7 @@ import { Api } from "./support/api";
 import { startBrowser } from "./support/browser";
 import { postBatch, shortScenarios } from "./support/data";
 import { drawn, open } from "./support/page";
-import { Proxy } from "./support/proxy";
+import { ReverseProxy } from "./support/reverseProxy";
 import { drivora, REPOSITORY, Service } from "./support/service";
 
 /** One passes the whole path on, the other takes the prefix off. */
@@ -46,11 +46,11 @@ function asked(page: Page): string[] {
 }
 
 describe.each(KINDS)("behind %s", (kind) => {
-  let proxy: Proxy | undefined;
+  let proxy: ReverseProxy | undefined;
   let url = "";
 
   beforeAll(async () => {
-    proxy = await Proxy.start(kind, service.url, folder);
+    proxy = await ReverseProxy.start(kind, service.url, folder);
     url = proxy?.url ?? "";
   });
   afterAll(() => proxy?.stop());
@@ -85,7 +85,9 @@ describe.each(KINDS)("behind %s", (kind) => {
     await page.locator(".controls .time").waitFor(WAITING);
     await page.reload();
     await page.locator(".controls .time").waitFor(WAITING);
-    expect(await page.getByRole("link", { name: "Drivora" }).getAttribute("href")).toBe("/drivora/");
+    expect(await page.getByRole("link", { name: "Drivora" }).getAttribute("href")).toBe(
+      "/drivora/",
+    );
     const shown = await page.locator("main").innerHTML();
     expect(shown).not.toMatch(/(?:src|href)="\/(?!drivora)/);
 
