@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal, Self
 
 from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic_core import ErrorDetails
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from drivora_service.errors import ConfigurationError
@@ -251,11 +252,14 @@ def load_settings(**overrides: object) -> Settings:
     try:
         return Settings(**given)  # type: ignore[arg-type] # checked by pydantic as it comes in
     except ValidationError as error:
-        lines = [
-            f"DRIVORA_{'_'.join(map(str, e['loc'])).upper()}: {e['msg']} (found {e['input']!r})"
-            # Without a place it is about several settings, and names them.
-            if e["loc"]
-            else str(e["ctx"]["error"])
-            for e in error.errors()
-        ]
-        raise ConfigurationError("\n".join(lines)) from error
+        raise ConfigurationError("\n".join(map(_problem, error.errors()))) from error
+
+
+def _problem(details: ErrorDetails) -> str:
+    is_own = details["type"] == "value_error"
+    message = str(details["ctx"]["error"]) if is_own else details["msg"]
+    if not details["loc"]:
+        # It is about several settings, and names them.
+        return message
+    name = "_".join(map(str, details["loc"])).upper()
+    return f"DRIVORA_{name}: {message} (found {details['input']!r})"

@@ -38,7 +38,9 @@ def test_what_is_no_path_is_refused(given: str) -> None:
 
 @pytest.mark.parametrize("name", sorted(OWN_NAMES))
 def test_a_path_of_the_service_itself_is_refused(name: str) -> None:
-    with pytest.raises(ConfigurationError, match=f"/{name} is a path of the service itself"):
+    with pytest.raises(
+        ConfigurationError, match=f"DRIVORA_ROOT_PATH: /{name} is a path of the service itself"
+    ):
         load_settings(root_path=f"/{name}/x")
 
 
