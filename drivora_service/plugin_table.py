@@ -23,6 +23,7 @@ from typing import Generic, Protocol, TypeVar
 
 from drivora_service.errors import DrivoraError, UnknownName
 from drivora_service.foreign_errors import describe_exception
+from drivora_service.visible_text import describe_acting_character
 
 _log = logging.getLogger(__name__)
 
@@ -111,6 +112,8 @@ class PluginTable(Generic[P]):
         package = "" if point.dist is None else point.dist.name
         where = f"entry point {point.name!r} of {self._group!r}"
         where += f" of the package {package!r}" if package else ""
+        if fault := describe_acting_character(point.name):
+            raise self._error(f"{where} cannot be used: its name has {fault}")
         try:
             loaded = point.load()
         except (Exception, SystemExit) as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
+from pydantic_core import PydanticCustomError
 
 from drivora_service.campaigns.document.campaign import DEFAULT_LOOKAHEAD
 from drivora_service.campaigns.document.campaign_documents import (
@@ -16,6 +17,7 @@ from drivora_service.campaigns.document.campaign_documents import (
     Workers,
 )
 from drivora_service.campaigns.document.feedback_documents import FeedbackDocument
+from drivora_service.given_names import GivenName
 from drivora_service.oracles.verdicts.failure_definition import Counted
 from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
@@ -31,14 +33,16 @@ AS_IN_SCENARIO = "as in the scenario"
 _WITHOUT_FEEDBACK = " without feedback"
 
 
-def _single_line(text: str) -> str:
-    if not text.isprintable() or text != text.strip():
-        raise ValueError("one line without blanks at its ends is needed")
+def _without_outer_blanks(text: str) -> str:
+    if text != text.strip():
+        raise PydanticCustomError("outer_blanks", "found a blank at one of its ends; remove it")
     return text
 
 
 Label = Annotated[
-    str, Field(strict=True, min_length=1, max_length=LONGEST_LABEL), AfterValidator(_single_line)
+    GivenName,
+    Field(strict=True, min_length=1, max_length=LONGEST_LABEL),
+    AfterValidator(_without_outer_blanks),
 ]
 
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 from drivora_service.errors import ConfigurationError, UnknownName
+from drivora_service.given_names import describe_name_fault
 
 _PREFIX = "drv_"
 
@@ -65,8 +66,10 @@ class TokenFile:
         """Adds a new token and returns its secret, which is not kept.
 
         Raises:
-            ConfigurationError: The name is taken.
+            ConfigurationError: The name is taken, or none that can be shown.
         """
+        if fault := describe_name_fault(name):
+            raise ConfigurationError(f"the name of a token: {fault}")
         tokens = self.all()
         if any(token.name == name for token in tokens):
             raise ConfigurationError(f"there is a token named {name!r} already; revoke it first")

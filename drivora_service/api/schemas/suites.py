@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from drivora_service.agents.configuration import ID_LENGTH
 from drivora_service.api.schemas.base import Schema
+from drivora_service.given_names import describe_name_fault
 from drivora_service.shapes import Shape
 from drivora_service.store.suites.suite_records import SuiteDecision, SuiteOutcome, SuiteSummary
 
@@ -43,6 +44,14 @@ class SuiteRunRequest(Schema):
             raise ValueError(f"the name of an ADS has at most {_LONGEST_NAME} characters")
         if len(self.decision.configuration_id) > ID_LENGTH:
             raise ValueError(f"the id of a configuration has at most {ID_LENGTH} characters")
+        for what, name in (
+            ("suite", self.decision.suite),
+            ("ADS", self.decision.agent),
+            ("baseline", self.decision.baseline),
+            *(("scenario", one.scenario) for one in self.outcomes),
+        ):
+            if fault := describe_name_fault(name):
+                raise ValueError(f"the name of {what} {name[:80]!r}: {fault}")
         return self
 
 

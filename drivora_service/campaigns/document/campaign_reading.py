@@ -41,6 +41,7 @@ from drivora_service.errors import (
     SearchError,
     UnknownName,
 )
+from drivora_service.given_names import stored_context
 from drivora_service.known_names import unknown_name_message
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.oracles.catalogue import OracleCatalogue
@@ -164,6 +165,8 @@ def read_campaign(
     data: str | bytes | Mapping[str, Any],
     catalogues: Catalogues,
     format: Literal["json", "yaml"] = "json",  # noqa: A002  # reads best in calls
+    *,
+    is_stored: bool = False,
 ) -> ValidCampaign:
     """Reads a campaign and validates it with all its names.
 
@@ -171,13 +174,14 @@ def read_campaign(
         data: Text, or its parsed content.
         catalogues: Catalogues for the names.
         format: Language of the text; YAML without aliases and tags.
+        is_stored: Whether it was read before, maybe by a version that accepted other names.
 
     Raises:
         InvalidDocument: The document has problems; all are listed, in document order.
         NetworkError: The network's file cannot be read.
     """
     content, odd = plain_data(data, format, what="a campaign")
-    document, structural = _structure(content)
+    document, structural = _structure(content, is_stored=is_stored)
     tester = document.tester if document else _part(TesterDocument, content, "tester")
     agent = document.agent if document else _part(AgentDocument, content, "agent")
     found, inside = _scenarios(content, catalogues, "" if agent is None else agent.name)
@@ -301,10 +305,13 @@ def _versions(
     return found
 
 
-def _structure(content: Mapping[str, Any]) -> tuple[CampaignDocument | None, list[Problem]]:
+def _structure(
+    content: Mapping[str, Any], *, is_stored: bool
+) -> tuple[CampaignDocument | None, list[Problem]]:
     """Returns the document, or ``None``, and the problems of its structure."""
     try:
-        return CampaignDocument.model_validate(content), []
+        context = stored_context(is_stored=is_stored)
+        return CampaignDocument.model_validate(content, context=context), []
     except ValidationError as error:
         problems = structural_problems(error, CampaignDocument)
     # The checks of the scenarios find these, and more.

@@ -8,6 +8,7 @@ from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument, to_campaign
 from drivora_service.campaigns.document.campaign_reading import hash_of_networks
 from drivora_service.errors import CampaignError
+from drivora_service.given_names import read_stored
 from drivora_service.networks.road_network import RoadNetwork
 from drivora_service.scenario.validation import validate_document
 from drivora_service.search.genes import GeneSpace
@@ -33,7 +34,7 @@ def searched_spaces_of(record: CampaignRecord, catalogues: Catalogues) -> tuple[
         CampaignError: Its road network has changed since.
         SearchError: Its space can no longer be built.
     """
-    document = CampaignDocument.model_validate(record.document)
+    document = read_stored(CampaignDocument, record.document)
     seeds = [
         # Any agent: the gene space does not depend on it.
         validate_document(scenario, catalogues.networks, None)

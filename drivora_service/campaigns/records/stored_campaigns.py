@@ -124,7 +124,7 @@ def run_stored(
         asking = replace(watcher, requested=lambda: watcher.requested() or journal.read_request())
         try:
             try:
-                valid = read_campaign(record.document, catalogues)
+                valid = read_campaign(record.document, catalogues, is_stored=True)
             except InvalidDocument as error:
                 raise _name_missing_packages(error, record) from error
             _refuse_other_network(record, valid)

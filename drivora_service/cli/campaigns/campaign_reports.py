@@ -14,6 +14,7 @@ from drivora_service.cli.application.installation import catalogues_for
 from drivora_service.cli.terminal.output import note
 from drivora_service.client import Client
 from drivora_service.errors import NotFound, RequestConflict, UnknownName
+from drivora_service.given_names import read_stored
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.store.campaigns.campaign_records import Confirmation
 from drivora_service.studies.reports.campaign_report import CampaignReport, group
@@ -50,7 +51,7 @@ def draw_report(
     figures = client.figures(campaign_id)
     report = CampaignReport(
         record=campaign,
-        document=CampaignDocument.model_validate(campaign.document),
+        document=read_stored(CampaignDocument, campaign.document),
         figures=figures.figures,
         groups=group(tuple(client.failures(campaign_id))),
         note=figures.note,

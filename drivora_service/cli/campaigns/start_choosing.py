@@ -14,6 +14,7 @@ from drivora_service.campaigns.document.campaign_documents import CampaignDocume
 from drivora_service.campaigns.document.start_documents import StartKind
 from drivora_service.cli.application.references import id_of
 from drivora_service.errors import ConfigurationError, NotFound
+from drivora_service.given_names import read_stored
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.search.tester import EvaluationStatus
 from drivora_service.store.campaigns.campaign_records import (
@@ -237,7 +238,7 @@ def _read_campaign(client: Client, choice: StartChoice) -> Earlier:
         raise ConfigurationError(f"{title} {what}: there is nothing to start from{hint}")
     return Earlier(
         title=title,
-        document=CampaignDocument.model_validate(campaign.document),
+        document=read_stored(CampaignDocument, campaign.document),
         network_sha256=campaign.network_sha256,
         candidates=tuple(
             _Found(place=one.seed_number, values=client.evaluation(campaign.id, one.number).values)
@@ -315,7 +316,7 @@ def _read_folder(folder: Path, choice: StartChoice) -> Earlier:
         )
     try:
         told = _Exported.model_validate_json(file.read_bytes())
-        document = CampaignDocument.model_validate(told.document)
+        document = read_stored(CampaignDocument, told.document)
     except (OSError, ValidationError) as error:
         raise ConfigurationError(
             f"{file} cannot be read as the results of a campaign: {str(error).splitlines()[0]}"

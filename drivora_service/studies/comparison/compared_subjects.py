@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from drivora_service.campaigns.document.campaign import FeedbackMode
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument, TesterDocument
 from drivora_service.errors import CampaignError, SearchError, UnknownName
+from drivora_service.given_names import read_stored
 from drivora_service.parameters import read_parameters
 from drivora_service.scenario.documents import ScenarioDocument
 from drivora_service.store.campaigns.campaign_records import CampaignRecord, CampaignState
@@ -59,7 +60,7 @@ def make_compared_campaigns(
     """
     for record in records:
         _refuse_unfinished(record)
-    documents = [CampaignDocument.model_validate(record.document) for record in records]
+    documents = [read_stored(CampaignDocument, record.document) for record in records]
     scenarios = _scenario_names(documents)
     methods = _method_names(documents, testers)
     compared = tuple(

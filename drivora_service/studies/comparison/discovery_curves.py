@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivora_service.errors import UnknownName
+from drivora_service.given_names import read_stored
 from drivora_service.shapes import Shape
 from drivora_service.store.campaigns.campaign_records import CampaignState
 from drivora_service.store.campaigns.failure_columns import CampaignFindings, campaign_findings
@@ -195,7 +196,7 @@ def study_bands(
     repeated: dict[tuple[str, str, str], dict[str, CampaignFindings]] = defaultdict(dict)
     with database.read() as transaction:
         study = transaction.studies.get(study_id)
-        document = StudyDocument.model_validate(study.document)
+        document = read_stored(StudyDocument, study.document)
         known = (document.scenario_labels, document.agent_labels, document.method_labels)
         wanted = tuple(
             _choose_names(what, names, labels)

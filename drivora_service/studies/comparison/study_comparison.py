@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument
 from drivora_service.errors import CampaignError, Conflict, UnknownName
+from drivora_service.given_names import read_stored
 from drivora_service.oracles.verdicts.failure_definition import DEFAULT_DEFINITION
 from drivora_service.shapes import Shape, combine
 from drivora_service.store.campaigns.campaign_records import CampaignRecord, CampaignState
@@ -160,7 +161,7 @@ def compare_study(
         study = transaction.studies.get(study_id)
         ids = transaction.studies.campaign_ids(study_id, (CampaignState.FINISHED,))
         records = [transaction.campaigns.get(campaign_id) for campaign_id in ids]
-    document = StudyDocument.model_validate(study.document)
+    document = read_stored(StudyDocument, study.document)
     methods, agents = document.method_labels, document.agent_labels
     method = baseline_method or (_RANDOM if _RANDOM in methods else methods[0])
     agent = baseline_agent or agents[0]
@@ -264,7 +265,7 @@ def _subject(record: CampaignRecord, document: StudyDocument) -> Compared:
         raise CampaignError(f"campaign {record.id} is of no study")
     return Compared(
         record=record,
-        document=CampaignDocument.model_validate(record.document),
+        document=read_stored(CampaignDocument, record.document),
         subject=Subject(
             campaign=record.id,
             method=cell.method,

@@ -10,6 +10,7 @@ from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument
 from drivora_service.campaigns.document.searched_space import SearchedSpace, searched_spaces_of
 from drivora_service.errors import CampaignError, InvalidDocument, NetworkError, SearchError
+from drivora_service.given_names import read_stored
 from drivora_service.oracles.verdicts.accountability import Accountability, accountability
 from drivora_service.store.campaigns.campaign_records import (
     CampaignRecord,
@@ -102,7 +103,7 @@ def read_report(database: Database, campaign_id: str, catalogues: Catalogues) ->
         failures = transaction.evaluations.failures(campaign_id)
         seeds = transaction.campaign_views.seeds(campaign_id)
         missing = transaction.campaign_views.missing_results(campaign_id=campaign_id)
-    document = CampaignDocument.model_validate(record.document)
+    document = read_stored(CampaignDocument, record.document)
     groups = group(failures)
     figures, note = None, ""
     privileged: set[str] = set()

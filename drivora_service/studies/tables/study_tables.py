@@ -9,6 +9,7 @@ from typing import Any
 import pyarrow as pa
 
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument
+from drivora_service.given_names import read_stored
 from drivora_service.oracles.verdicts.accountability import accountability
 from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.oracles.verdicts.verdict_json import verdict_content
@@ -177,7 +178,7 @@ def _campaign_row(campaign: CampaignRecord) -> Row:
 
 def _evaluation_pages(database: Database, campaign: CampaignRecord) -> Iterator[Sequence[Row]]:
     place, after = _place(campaign), -1
-    definition = CampaignDocument.model_validate(campaign.document).definition
+    definition = read_stored(CampaignDocument, campaign.document).definition
     while True:
         with database.read() as transaction:
             page = transaction.evaluations.page(campaign.id, after=after, limit=_PAGE)

@@ -13,6 +13,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from drivora_service.errors import ConfigurationError
+from drivora_service.given_names import describe_name_fault
 from drivora_service.oracles.verdicts.failure_definition import FailureDefinition
 from drivora_service.shapes import adapter, to_json
 from drivora_service.suites.gate.baseline import Baseline, BaselineScenario
@@ -34,6 +35,13 @@ def read_baseline(path: Path) -> Baseline:
         first = error.errors(include_url=False)[0]
         place = "/".join(map(str, first["loc"])) or "the whole"
         raise ConfigurationError(f"{path} is no baseline: {place}: {first['msg']}") from error
+    for place, name in (
+        ("suite", baseline.suite),
+        ("agent", baseline.agent),
+        *(("scenarios", name) for name in baseline.scenarios),
+    ):
+        if fault := describe_name_fault(name):
+            raise ConfigurationError(f"{path} is no baseline: {place}: {name[:80]!r}: {fault}")
     for name, scenario in baseline.scenarios.items():
         problem = _find_contradiction(scenario)
         if problem:
