@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import logging
 import sys
-from typing import Literal
+from typing import Literal, TextIO
 
 import structlog
+
+from drivora_service.visible_text import visible_text
 
 _LOGGER_OF_PLUGINS = "alembic.runtime.plugins"
 """A logger that lists its own parts whenever a database is migrated."""
@@ -37,9 +40,9 @@ def configure_logs(
         wanted = sys.stderr.isatty() if colors is None else colors
         # The default also prints the values of variables, tokens among them.
         renderer = structlog.dev.ConsoleRenderer(
-            colors=wanted, exception_formatter=structlog.dev.plain_traceback
+            colors=wanted, exception_formatter=_write_traceback
         )
-        last = []
+        last = [_make_visible]
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(
         structlog.stdlib.ProcessorFormatter(
@@ -67,6 +70,27 @@ def configure_logs(
         # Few lines are written, and a cached logger would keep an earlier configuration.
         cache_logger_on_first_use=False,
     )
+
+
+def _write_traceback(log: TextIO, error: structlog.typing.ExcInfo) -> None:
+    # Its messages may be of agents and plug-ins.
+    text = io.StringIO()
+    structlog.dev.plain_traceback(text, error)
+    log.write(visible_text(text.getvalue(), has_lines=True))
+
+
+_OF_LINES = ("exception", "stack")
+"""Fields whose values have several lines: tracebacks."""
+
+
+def _make_visible(
+    _logger: object, _method: str, event: structlog.typing.EventDict
+) -> structlog.typing.EventDict:
+    """Makes what would act on a terminal visible; a value cannot begin a line of its own."""
+    return {
+        key: visible_text(value, has_lines=key in _OF_LINES) if isinstance(value, str) else value
+        for key, value in event.items()
+    }
 
 
 def _drop_colored_copy(

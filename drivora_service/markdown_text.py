@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 
+from drivora_service.visible_text import visible_text
+
 # An underscore between letters or digits is none: names have them.
 _MARKUP = re.compile(r"[\\`*\[\]<|&~]|_(?![^\W_])|(?<![^\W_])_")
-_MARKUP_AT_THE_BEGINNING = (">", "#", "-", "+")
+_MARKUP_AT_THE_BEGINNING = (">", "#", "-", "+", "=")
 
 
 class Markdown(str):
@@ -17,9 +19,22 @@ class Markdown(str):
 
 
 def escape_markdown(text: str) -> str:
-    """Returns a text on one line, without what Markdown would read as markup or HTML."""
+    """Returns a text on one line, without what Markdown would read as markup or HTML.
+
+    Characters that act on what shows the text are made visible; see ``visible_text``.
+    """
     line = _inline(text)
     return f"\\{line}" if line.startswith(_MARKUP_AT_THE_BEGINNING) else line
+
+
+def code_span(text: str) -> str:
+    """Returns a text as code on one line: a delimiter is longer than any that the text has."""
+    line = visible_text(" ".join(text.split()))
+    longest = max(map(len, re.findall("`+", line)), default=0)
+    fence = "`" * (longest + 1)
+    # Blanks beside a backtick, or beside blanks, are no part of the code.
+    blank = " " if not line or line[0] in "` " or line[-1] in "` " else ""
+    return f"{fence}{blank}{line}{blank}{fence}"
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
@@ -38,4 +53,4 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def _inline(text: str) -> str:
-    return " ".join(_MARKUP.sub(r"\\\g<0>", text).split())
+    return _MARKUP.sub(r"\\\g<0>", visible_text(" ".join(text.split())))

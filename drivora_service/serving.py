@@ -28,6 +28,7 @@ from drivora_service.fault_log import FaultLog
 from drivora_service.logs import configure_logs
 from drivora_service.server_socket import bind_address, start_listening
 from drivora_service.settings import Settings
+from drivora_service.visible_text import visible_text
 
 ANNOUNCEMENT = "service.json"
 """File in the data folder with the address of a running service; of several, of the last one."""
@@ -164,7 +165,7 @@ class _Ending:
         reason = (
             self.broken or "the service did not end in time; the next start takes its runs over"
         )
-        print(f"error: {reason}", file=sys.stderr, flush=True)
+        print(f"error: {visible_text(str(reason), has_lines=True)}", file=sys.stderr, flush=True)
         os._exit(_NOT_DONE)
 
 

@@ -7,6 +7,7 @@ itself through :func:`visible_text`, and then through what its own format needs.
 
 from __future__ import annotations
 
+import json
 import re
 import unicodedata
 
@@ -21,7 +22,6 @@ _CLASSES = (
 )
 _ACTING = re.compile(f"[{_CLASSES}]")
 _ACTING_BESIDE_LINES = re.compile(f"(?![\n\t])[{_CLASSES}]")
-_SHORT = {"\n": "\\n", "\r": "\\r", "\t": "\\t"}
 _CONTROL_NAMES = {
     "\a": "bell",
     "\b": "backspace",
@@ -36,7 +36,9 @@ _CONTROL_NAMES = {
 
 
 def visible_text(text: str, *, has_lines: bool = False) -> str:
-    r"""Returns a text with each acting character as it is written in code, such as ``\x1b``.
+    r"""Returns a text with each acting character as JSON writes it, such as ``\u001b``.
+
+    So a document of JSON stays what it is.
 
     Args:
         text: Any text.
@@ -65,9 +67,5 @@ def describe_acting_character(text: str, *, has_lines: bool = False) -> str:
 
 
 def _written(character: str) -> str:
-    code = ord(character)
-    if character in _SHORT:
-        return _SHORT[character]
-    if code <= 0xFF:
-        return f"\\x{code:02x}"
-    return f"\\u{code:04x}" if code <= 0xFFFF else f"\\U{code:08x}"
+    # As JSON: two halves for a character beyond U+FFFF.
+    return json.dumps(character)[1:-1] if character != "\x7f" else "\\u007f"

@@ -8,7 +8,7 @@ from drivora_service.agents.entry import AgentEntry
 from drivora_service.benchmarking.benchmark_run import BenchmarkRun
 from drivora_service.benchmarking.card import AgentCard, Figures
 from drivora_service.benchmarking.card_courses import COURSES, VERSION
-from drivora_service.markdown_text import Markdown, table
+from drivora_service.markdown_text import Markdown, code_span, escape_markdown, table
 
 COLUMNS = (
     "runs",
@@ -102,7 +102,7 @@ def cards_markdown(cards: Sequence[AgentCard], absent: Sequence[AgentEntry], *, 
     lines += table(("agent", "view", *COLUMNS), rows)
     if absent:
         lines += ["", "Not run:", ""]
-        lines += [f"- `{agent.name}`: {agent.reason}" for agent in absent]
+        lines += [f"- {code_span(agent.name)}: {escape_markdown(agent.reason)}" for agent in absent]
     return "\n".join(lines) + "\n"
 
 
@@ -119,11 +119,11 @@ def card_markdown(card: AgentCard, *, runs: int, picture: str = "") -> str:
         picture: Address of the shown run's picture, relative to the text.
     """
     agent = card.agent
-    lines = [f"# {agent.name}", "", f"{agent.description}.", ""]
+    lines = [f"# {escape_markdown(agent.name)}", "", f"{escape_markdown(agent.description)}.", ""]
     lines += [
         f"- Kind: {agent.kind}",
-        f"- From: {agent.source}",
-        f"- Licence: {agent.licence or 'none stated'}",
+        f"- From: {escape_markdown(agent.source)}",
+        f"- Licence: {escape_markdown(agent.licence or 'none stated')}",
         f"- View: {view_of(agent)}",
         f"- Arrived in time without a collision at its fault: {card.total.clean_arrivals} of "
         f"{card.total.runs} runs",
@@ -138,8 +138,8 @@ def card_markdown(card: AgentCard, *, runs: int, picture: str = "") -> str:
     lines += ["", "## Violations", ""]
     lines += _wrongs(card)
     if picture and card.shown is not None:
-        lines += ["", "## A run", "", _about(card.shown), ""]
-        lines += [f"![{agent.name} on {card.shown.name}]({picture})"]
+        lines += ["", "## A run", "", escape_markdown(_about(card.shown)), ""]
+        lines += [f"![{escape_markdown(f'{agent.name} on {card.shown.name}')}]({picture})"]
     return "\n".join(lines) + "\n"
 
 

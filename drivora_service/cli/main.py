@@ -49,7 +49,7 @@ from drivora_service.cli.studies import study_commands
 from drivora_service.cli.suites import suite_commands
 from drivora_service.cli.terminal.file_errors import describe_file_error
 from drivora_service.cli.terminal.interruption import end_interrupted
-from drivora_service.cli.terminal.output import fail, note
+from drivora_service.cli.terminal.output import fail, note, say
 from drivora_service.cli.terminal.verbosity import (
     ADVICE,
     is_verbose,
@@ -150,7 +150,7 @@ def _print_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
 
-        typer.echo(version("drivora"))
+        say(version("drivora"))
         raise typer.Exit
 
 

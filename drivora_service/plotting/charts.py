@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from drivora_service.plotting import colors
+from drivora_service.plotting.drawn_text import make_texts_plain
 
 LETTER = 0.075
 """Approximate width of a letter, inches."""
@@ -117,6 +118,7 @@ def legend_below(figure: Figure, looks: dict[str, Look]) -> None:
 
 def write_chart(figure: Figure, stem: Path) -> tuple[Path, Path]:
     """Writes a figure as ``STEM.svg`` and ``STEM.png``; the same figure yields the same bytes."""
+    make_texts_plain(figure)
     svg, png = stem.with_name(f"{stem.name}.svg"), stem.with_name(f"{stem.name}.png")
     FigureCanvasSVG(figure).print_figure(str(svg), metadata={"Date": None, "Creator": None})
     FigureCanvasAgg(figure).print_figure(str(png), dpi=_DPI, metadata={"Software": None})

@@ -13,6 +13,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from drivora_service.plotting import colors
+from drivora_service.plotting.drawn_text import make_texts_plain
 from drivora_service.plotting.picture_view import View
 
 _DPI = 150
@@ -39,6 +40,7 @@ def open_picture(target: Path, *, width_in: float, height_in: float) -> Iterator
         figure = Figure(figsize=(width_in, height_in), facecolor="white")
         canvas = FigureCanvasSVG(figure) if suffix == ".svg" else FigureCanvasAgg(figure)
         yield figure
+        make_texts_plain(figure)
         metadata = {"Date": None, "Creator": None} if suffix == ".svg" else {"Software": None}
         canvas.print_figure(str(target), dpi=_DPI, metadata=metadata)
 

@@ -23,6 +23,7 @@ from drivora_service.oracles.laws.sources import LawSource
 from drivora_service.store.campaigns.campaign_warnings import CampaignWarning
 from drivora_service.store.database import open_database
 from drivora_service.store.traces.trace_places import TracePlaces
+from drivora_service.visible_text import visible_text
 from drivora_service.worker.parent_death import die_with_parent
 
 CANNOT_RUN = 75
@@ -109,7 +110,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
             yield evaluator
 
     def warn(warning: CampaignWarning) -> None:
-        print(f"campaign {campaign_id}: warning: {warning.message} {warning.advice}", flush=True)
+        _say(f"campaign {campaign_id}: warning: {warning.message} {warning.advice}")
 
     try:
         ended = run_stored(
@@ -127,13 +128,18 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
             is_locked=True,
         )
     except DrivoraError as error:
-        print(f"campaign {campaign_id}: {error}", flush=True)
+        _say(f"campaign {campaign_id}: {error}")
         if isinstance(error, PluginError):
-            print(error.log, flush=True)
+            _say(error.log)
         sys.exit(CANNOT_RUN if isinstance(error, Conflict | StoreUnavailable) else _FAILED)
     finally:
         database.close()
     print(f"campaign {campaign_id} is {ended.state}", flush=True)
+
+
+def _say(text: str) -> None:
+    """Prints a text, which may be of an agent or a plug-in, to the log."""
+    print(visible_text(text, has_lines=True), flush=True)
 
 
 def _print_to(path: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drivora_service.cli.terminal.output import print_prose, print_table
+from drivora_service.cli.terminal.output import print_prose, print_table, say
 from drivora_service.suites.paired.batch_comparison import BatchComparison
 from drivora_service.suites.paired.batch_comparison_text import (
     FAILURE_COLUMNS,
@@ -24,31 +24,31 @@ from drivora_service.suites.paired.batch_comparison_text import (
 def print_batch_comparison(comparison: BatchComparison) -> None:
     """Prints how things stand, then the tables."""
     for name, line in sides(comparison):
-        print(f"{name}: {line}")
+        say(f"{name}: {line}")
     for line in describe_differences(comparison):
-        print(line)
-    print()
+        say(line)
+    say()
     print_prose(comparison.sentence)
-    print()
+    say()
     for remark in comparison.notes:
-        print(f"note: {remark}")
+        say(f"note: {remark}")
     for left in comparison.left_out:
-        print(f"left out: {left.scenario}, seed {left.seed}: {left.message}")
+        say(f"left out: {left.scenario}, seed {left.seed}: {left.message}")
     if not comparison.pairs:
         return
     print_table("Failures", FAILURE_COLUMNS, map(failure_cells, failure_rows(comparison)))
     print_prose(how_to_read_failures(comparison))
     measured = [row for row in comparison.metrics if row.difference]
     equal = len(comparison.metrics) - len(measured)
-    print()
+    say()
     if measured:
         print_table("Metrics", METRIC_COLUMNS, map(metric_cells, measured))
         print_prose(how_to_read_metrics())
     if equal:
-        print(f"Metrics that are equal in the mean, or not measurable: {equal}")
+        say(f"Metrics that are equal in the mean, or not measurable: {equal}")
     telling = discordant_pairs(comparison)
     if telling:
-        print()
+        say()
         print_table(
             "Pairs that tell A from B",
             pair_columns(comparison),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from drivora_service.api.schemas.batches import Batch
-from drivora_service.cli.terminal.output import print_prose, print_table
+from drivora_service.cli.terminal.output import print_prose, print_table, say
 
 
 def print_batches(batches: Sequence[Batch]) -> None:
@@ -34,7 +34,7 @@ def print_batch(batch: Batch) -> None:
     counts = ", ".join(
         f"{number} {status.replace('_', ' ')}" for status, number in batch.counts.items() if number
     )
-    print(f"Runs: {counts or 'none'}; with a violation: {batch.violated_runs}")
+    say(f"Runs: {counts or 'none'}; with a violation: {batch.violated_runs}")
     if batch.definition is not None:
         print_prose(f"Failures are {batch.definition.words}")
 

@@ -27,6 +27,7 @@ from drivora_service.cli.terminal.options import (
 from drivora_service.cli.terminal.out_option import check_file, check_folder
 from drivora_service.cli.terminal.output import (
     note,
+    say,
     write_text,
 )
 from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
@@ -406,4 +407,4 @@ def _say_state(campaign: Campaign, form: Form) -> None:
         form.print_shape(type(campaign), campaign)
         return
     requested = f", {campaign.request} requested" if campaign.request else ""
-    typer.echo(f"campaign {campaign.id} is {campaign.state}{requested}")
+    say(f"campaign {campaign.id} is {campaign.state}{requested}")

@@ -15,6 +15,7 @@ from rich.text import Text
 from drivora_service.cli.campaigns.campaign_warning_text import warning_line
 from drivora_service.cli.terminal.log_pace import LogPace
 from drivora_service.cli.terminal.output import note, number
+from drivora_service.visible_text import visible_text
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.campaigns import Campaign
@@ -88,7 +89,7 @@ def campaign_display(budget: int) -> Iterator[CampaignDisplay]:
     console = Console(stderr=True)
     display = CampaignDisplay(
         budget,
-        lambda line: console.print(Text(line), soft_wrap=True),
+        lambda line: console.print(Text(visible_text(line)), soft_wrap=True),
         in_lines=not console.is_terminal,
     )
     try:

@@ -13,7 +13,7 @@ from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.application.references import ids_of
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption, parse_counts
 from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
-from drivora_service.cli.terminal.output import JsonOption, note, print_json
+from drivora_service.cli.terminal.output import JsonOption, note, print_json, say
 from drivora_service.store.id_records import IdKind
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def export(
         )
         return
     for path in done.added:
-        print(path)
+        say(path)
     if done.is_new:
         note(f"{done.suite_file} is new")
     note(f"{len(done.added)} scenarios added to {suite}, {done.known} were there already")

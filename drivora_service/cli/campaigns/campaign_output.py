@@ -8,7 +8,7 @@ from typing import Any
 from drivora_service.api.schemas.campaigns import Campaign, Evaluation, Failure
 from drivora_service.cli.campaigns.campaign_warning_text import print_warning
 from drivora_service.cli.runs.run_output import follow_up
-from drivora_service.cli.terminal.output import number, print_table
+from drivora_service.cli.terminal.output import number, print_table, say
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountability
 from drivora_service.oracles.verdicts.failure_definition import StatedDefinition
 from drivora_service.oracles.verdicts.failure_facts import full_message
@@ -18,6 +18,7 @@ from drivora_service.store.campaigns.campaign_records import (
     EvaluationSummary,
 )
 from drivora_service.store.campaigns.missing_results import missing_words
+from drivora_service.visible_text import visible_text
 
 _SHOWN = 40
 """Evaluations of a lineage in a table."""
@@ -59,22 +60,22 @@ def print_campaign(campaign: Campaign, *, where: str = "") -> None:
         where: Options with which other commands find it.
     """
     counts = campaign.counts
-    print(f"Campaign {campaign.id} ({campaign.name}): {campaign.state}")
+    say(f"Campaign {campaign.id} ({visible_text(campaign.name)}): {campaign.state}")
     if campaign.message:
-        print(f"  {campaign.message}")
-    print(f"  {campaign.tester} against {campaign.configuration} on {campaign.town}")
+        say(f"  {campaign.message}")
+    say(f"  {campaign.tester} against {campaign.configuration} on {campaign.town}")
     if (start := campaign.document["tester"].get("start_from")) is not None:
-        print(f"  Started from {len(start['candidates'])} {start['kind']} of {start['source']}")
-    print(
+        say(f"  Started from {len(start['candidates'])} {start['kind']} of {start['source']}")
+    say(
         f"  {campaign.simulations} of {campaign.budget} simulations in {campaign.active_s:.0f} s "
         f"({number(campaign.rate, 2)} a second); {counts.invalid} candidates invalid, "
         f"{missing_words(counts.failed, campaign.missing_results)}"
     )
-    print(f"  {counts.violating} failing ({_accountable(counts)})")
+    say(f"  {counts.violating} failing ({_accountable(counts)})")
     if counts.apart:
         apart = ", ".join(f"{number} {words}" for number, words in counts.apart)
-        print(f"  Simulations by their strongest violation, counted or not: {apart}")
-    print(f"  Failures are {campaign.definition.words}")
+        say(f"  Simulations by their strongest violation, counted or not: {apart}")
+    say(f"  Failures are {campaign.definition.words}")
     for warning in campaign.warnings:
         print_warning(warning)
     if campaign.seeds:
@@ -110,7 +111,7 @@ def print_campaign(campaign: Campaign, *, where: str = "") -> None:
         )
         first = min(kind.first for kind in campaign.kinds)
         commands = follow_up(f"{campaign.id}-{first}", where)
-        print(f"The run of evaluation #N is {campaign.id}-N: {commands}")
+        say(f"The run of evaluation #N is {campaign.id}-N: {commands}")
 
 
 def _print_seeds(campaign: Campaign) -> None:
@@ -166,23 +167,21 @@ def print_evaluation(evaluation: Evaluation, *, where: str = "") -> None:
         evaluation: The evaluation.
         where: Options with which other commands find it.
     """
-    print(f"Evaluation {evaluation.number}: {evaluation.status}")
+    say(f"Evaluation {evaluation.number}: {evaluation.status}")
     for ego in evaluation.privileged:
-        print(f"  {ego} sees everything, not only what the perception model lets through")
+        say(f"  {ego} sees everything, not only what the perception model lets through")
     if evaluation.error is not None:
-        print(f"  {evaluation.error.cause}: {evaluation.error.message}")
+        say(f"  {evaluation.error.cause}: {evaluation.error.message}")
     for verdict in evaluation.failures:
         words = IN_WORDS[accountability(verdict)]
         fault = f", {words}" if words else ""
         ego = f" of {verdict.ego}" if len(evaluation.agents) > 1 else ""
-        print(
-            f"  {verdict.oracle}{ego} at {number(verdict.time)} s{fault}: {full_message(verdict)}"
-        )
+        say(f"  {verdict.oracle}{ego} at {number(verdict.time)} s{fault}: {full_message(verdict)}")
     if evaluation.failures:
-        print(f"  Run {evaluation.run_id}: {follow_up(evaluation.run_id, where)}")
+        say(f"  Run {evaluation.run_id}: {follow_up(evaluation.run_id, where)}")
     if evaluation.objectives:
         objectives = evaluation.objectives.items()
-        print("  " + ", ".join(f"{name} {number(value, 3)}" for name, value in objectives))
+        say("  " + ", ".join(f"{name} {number(value, 3)}" for name, value in objectives))
     ancestors: tuple[EvaluationSummary, ...] = evaluation.lineage
     print_table(
         "Lineage",
@@ -201,4 +200,4 @@ def print_evaluation(evaluation: Evaluation, *, where: str = "") -> None:
         wrap=("parents",),
     )
     if len(ancestors) >= _SHOWN:
-        print(f"{len(ancestors) + 1 - _SHOWN} earlier ancestors; --json prints them as well")
+        say(f"{len(ancestors) + 1 - _SHOWN} earlier ancestors; --json prints them as well")

@@ -9,7 +9,7 @@ import typer
 
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
-from drivora_service.cli.terminal.output import JsonOption, note, print_json
+from drivora_service.cli.terminal.output import JsonOption, note, print_json, say
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.campaigns import CampaignValidation
@@ -38,4 +38,4 @@ def validate(
         return
     for remark in valid.notes:
         note(f"note: {remark}")
-    print(f"{file}: valid; {valid.tester} on {valid.town}, {valid.genes} genes")
+    say(f"{file}: valid; {valid.tester} on {valid.town}, {valid.genes} genes")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from drivora_service.cli.terminal.output import say
 from drivora_service.store.campaigns.campaign_warnings import CampaignWarning
 
 
@@ -12,6 +13,6 @@ def warning_line(warning: CampaignWarning) -> str:
 
 def print_warning(warning: CampaignWarning) -> None:
     """Prints a warning, with what to do and the page about it below."""
-    print(f"  Warning: {warning.message}")
-    print(f"    {warning.advice}")
-    print(f"    See {warning.page}")
+    say(f"  Warning: {warning.message}")
+    say(f"    {warning.advice}")
+    say(f"    See {warning.page}")

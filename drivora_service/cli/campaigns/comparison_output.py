@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from drivora_service.cli.terminal.output import print_table
+from drivora_service.cli.terminal.output import print_table, say
 from drivora_service.studies.accountable_counts import COLUMNS, accountable_rows
 from drivora_service.studies.comparison.campaign_comparison import Comparison
 from drivora_service.studies.comparison.campaign_comparison_text import (
@@ -20,9 +20,9 @@ from drivora_service.studies.comparison.campaign_measures import Difference
 def print_comparison(comparison: Comparison) -> None:
     """Prints a table a measure."""
     for line in describe_setting(comparison):
-        print(line)
+        say(line)
     for remark in comparison.notes:
-        print(f"note: {remark}")
+        say(f"note: {remark}")
     counts = accountable_rows(comparison.campaigns)
     print_table(
         "What the simulations came to",
@@ -40,7 +40,7 @@ def print_comparison(comparison: Comparison) -> None:
             (*(("scenario",) if several else ()), *columns),
             (((row.scenario,) if several else ()) + _cells(row) for row in rows),
         )
-    print(how_to_read(comparison))
+    say(how_to_read(comparison))
 
 
 def _cells(row: Difference) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from drivora_service.cli.terminal.output import (
     find_entry,
     note,
     print_table,
+    say,
 )
 from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 from drivora_service.cli.terminal.parameter_output import print_parameters
@@ -49,8 +50,8 @@ def list_agents(
     )
     for agent in agents:
         if not agent.installed:
-            print(f"{agent.name} cannot be used yet: {agent.reason}")
-    print("Description and parameters of an agent: `drivora agents show NAME`")
+            say(f"{agent.name} cannot be used yet: {agent.reason}")
+    say("Description and parameters of an agent: `drivora agents show NAME`")
 
 
 @app.command()
@@ -67,19 +68,19 @@ def show(
     if not form.is_table:
         form.print_content(agent.model_dump(mode="json"))
         return
-    print(f"{agent.name} ({agent.kind}): {agent.description}")
-    print(f"From: {agent.source}. Licence: {agent.licence or 'none stated'}")
-    print(f"Version: {agent.version or 'none stated'}")
+    say(f"{agent.name} ({agent.kind}): {agent.description}")
+    say(f"From: {agent.source}. Licence: {agent.licence or 'none stated'}")
+    say(f"Version: {agent.version or 'none stated'}")
     if agent.privileged:
-        print("It sees everything, not only what the perception model lets through")
+        say("It sees everything, not only what the perception model lets through")
     if not agent.installed:
-        print(f"It cannot be used yet: {agent.reason}")
+        say(f"It cannot be used yet: {agent.reason}")
     if agent.parameters is None:
-        print("It does not say which parameters it takes: they are not checked before a run")
+        say("It does not say which parameters it takes: they are not checked before a run")
     elif agent.parameters:
         print_parameters(agent.parameters)
     else:
-        print("It takes no parameters")
+        say("It takes no parameters")
 
 
 @app.command()
@@ -103,6 +104,6 @@ def install(
     if reason:
         note(f"{name} still cannot be used: {reason}")
     elif done:
-        typer.echo(f"installed {name} in {settings.agents_folder}")
+        say(f"installed {name} in {settings.agents_folder}")
     else:
-        typer.echo(f"{name} needs nothing more to be installed")
+        say(f"{name} needs nothing more to be installed")

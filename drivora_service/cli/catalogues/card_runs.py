@@ -11,7 +11,7 @@ from drivora_service.agents.entry import AgentEntry, AgentKind
 from drivora_service.benchmarking.benchmark_run import BenchmarkRun
 from drivora_service.benchmarking.card import AgentCard, card_of
 from drivora_service.benchmarking.card_courses import BenchmarkScenario
-from drivora_service.cli.terminal.output import find_entry, number, print_table
+from drivora_service.cli.terminal.output import find_entry, number, print_table, say
 from drivora_service.cli.terminal.trace_drawing import draw_trace
 from drivora_service.client import Client
 from drivora_service.scenario.documents import document_text
@@ -128,15 +128,15 @@ def print_cards(cards: Sequence[AgentCard], absent: Sequence[AgentEntry]) -> Non
     if cards:
         print_table("", _COLUMNS, map(_row, cards))
     if any(card.agent.privileged for card in cards):
-        print("* sees everything, not only what the perception model lets through")
+        say("* sees everything, not only what the perception model lets through")
     for card in cards:
         for failure in card.failures:
-            print(
+            say(
                 f"{card.agent.name}: {failure.cause or failure.status} in {failure.runs} run(s), "
                 f"{failure.example_run}: {failure.example}"
             )
     for agent in absent:
-        print(f"{agent.name} was not run: {agent.reason}")
+        say(f"{agent.name} was not run: {agent.reason}")
 
 
 _COLUMNS = (

@@ -9,7 +9,7 @@ import typer
 
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import DataDirOption
-from drivora_service.cli.terminal.output import JsonOption, fail, print_json, print_table
+from drivora_service.cli.terminal.output import JsonOption, fail, print_json, print_table, say
 from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 
 if TYPE_CHECKING:
@@ -98,12 +98,12 @@ def check(
 
 
 def _print_law(law: Law) -> None:
-    print(f"{law.name}: {law.title}")
-    print(f"  {law.text}")
+    say(f"{law.name}: {law.title}")
+    say(f"  {law.text}")
     ways = len(law.sub_violations)
-    print(f"  violated in {ways} {'way' if ways == 1 else 'ways'}:")
+    say(f"  violated in {ways} {'way' if ways == 1 else 'ways'}:")
     for number, case in enumerate(law.sub_violations, start=1):
-        print(f"  {number}. {case}")
+        say(f"  {number}. {case}")
 
 
 def _plain(law: Law) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import typer
 
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import ServerOption
-from drivora_service.cli.terminal.output import find_entry, print_table
+from drivora_service.cli.terminal.output import find_entry, print_table, say
 from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 
 app = typer.Typer(
@@ -51,8 +51,8 @@ def show(
     if not form.is_table:
         form.print_shape(type(measure), measure, id_field="name")
         return
-    print(f"{measure.name}: {measure.definition}")
+    say(f"{measure.name}: {measure.definition}")
     for key in ("kind", "unit", "better", "feedback", "several_egos", "threshold", "source"):
         value = getattr(measure, key)
         if value:
-            print(f"{key.replace('_', ' ').capitalize()}: {value}")
+            say(f"{key.replace('_', ' ').capitalize()}: {value}")

@@ -9,7 +9,7 @@ import typer
 
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
-from drivora_service.cli.terminal.output import JsonOption, print_json, print_table
+from drivora_service.cli.terminal.output import JsonOption, print_json, print_table, say
 from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 
 app = typer.Typer(help="Road networks that scenarios may take place on.", no_args_is_help=True)
@@ -27,7 +27,7 @@ def list_networks(
         form.print_content([one.model_dump(mode="json") for one in networks])
     else:
         for network in networks:
-            typer.echo(network.name)
+            say(network.name)
 
 
 _UNITS = {"bounds": "bounds (m)", "net_offset": "net offset (m)", "drivable_km": "drivable (km)"}
@@ -76,7 +76,7 @@ def import_network(
     if as_json:
         print_json(network.model_dump(mode="json"))
     else:
-        typer.echo(
+        say(
             f"imported {chosen}: {network.drivable_km:.1f} km of lanes, "
             f"{network.traffic_lights} traffic lights"
         )

@@ -11,6 +11,7 @@ from drivora_service.cli.terminal.options import ServerOption
 from drivora_service.cli.terminal.output import (
     find_entry,
     print_table,
+    say,
 )
 from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 from drivora_service.short_values import short_value
@@ -56,9 +57,9 @@ def show(
     if not form.is_table:
         form.print_content(oracle.model_dump(mode="json"))
         return
-    print(f"{oracle.name}: {oracle.description or oracle.reason}")
+    say(f"{oracle.name}: {oracle.description or oracle.reason}")
     if oracle.formula:
-        print(f"Formula: {oracle.formula}\nSource: {oracle.source}")
+        say(f"Formula: {oracle.formula}\nSource: {oracle.source}")
     if oracle.thresholds:
         print_table(
             "",

@@ -11,6 +11,7 @@ from drivora_service.cli.terminal.options import ServerOption
 from drivora_service.cli.terminal.output import (
     find_entry,
     print_table,
+    say,
 )
 from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 from drivora_service.cli.terminal.parameter_output import print_parameters
@@ -58,8 +59,8 @@ def show(
         form.print_content(tester.model_dump(mode="json"))
         return
     if not tester.installed:
-        print(f"{tester.name} cannot be used: {tester.reason}")
+        say(f"{tester.name} cannot be used: {tester.reason}")
         return
-    print(f"{tester.title} ({tester.name}): {tester.description}")
-    print(f"Source: {tester.source}. Measured by: {tester.feedback}")
+    say(f"{tester.title} ({tester.name}): {tester.description}")
+    say(f"Source: {tester.source}. Measured by: {tester.feedback}")
     print_parameters(tester.parameters)

@@ -12,7 +12,7 @@ import typer
 
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import DataDirOption
-from drivora_service.cli.terminal.output import JsonOption, print_json
+from drivora_service.cli.terminal.output import JsonOption, print_json, say
 
 if TYPE_CHECKING:
     from drivora_service.cli.doctor.findings import Check, Finding
@@ -55,8 +55,8 @@ def doctor(
         )
     else:
         for line in _lines(findings):
-            print(line)
-        print(f"\n{_total(counts[State.PROBLEM], 'problem')}, {_total(counts[State.NOTE], 'note')}")
+            say(line)
+        say(f"\n{_total(counts[State.PROBLEM], 'problem')}, {_total(counts[State.NOTE], 'note')}")
     if counts[State.PROBLEM]:
         raise typer.Exit(ExitCode.NOT_DONE)
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import typer
-
 from drivora_service.cli.runs.run_output import follow_up
-from drivora_service.cli.terminal.output import print_table
+from drivora_service.cli.terminal.output import print_table, say
 from drivora_service.store.failures.group_records import ChangedPart, GroupChange, SinceBaseline
 
 if TYPE_CHECKING:
@@ -47,7 +45,7 @@ def print_failures(failures: Sequence[FoundFailure], *, where: str = "") -> None
         headings=[f"run {one.run_id}" for one in failures],
     )
     if failures:
-        typer.echo(f"The first of these runs: {follow_up(failures[0].run_id, where)}")
+        say(f"The first of these runs: {follow_up(failures[0].run_id, where)}")
 
 
 def print_counts(counts: FoundCounts) -> None:
@@ -56,18 +54,18 @@ def print_counts(counts: FoundCounts) -> None:
     parts = [f"{counts.avoidable} at fault and avoidable"]
     if counts.preventable:
         parts.append(f"{counts.preventable} not at fault, but avoidable")
-    typer.echo(f"{counts.failures} failures{runs}; {', '.join(parts)}")
+    say(f"{counts.failures} failures{runs}; {', '.join(parts)}")
     if counts.agent_failed_runs:
         number = counts.agent_failed_runs
-        typer.echo(
+        say(
             f"and {number} run{'' if number == 1 else 's'} in which the ADS failed, which "
             f"{'is a failure, too; it is' if number == 1 else 'are failures, too; they are'} "
             "not listed here"
         )
     if counts.definition is not None:
-        typer.echo(f"failures are {counts.definition.words}")
+        say(f"failures are {counts.definition.words}")
     else:
-        typer.echo("failures are what each suite, campaign or request defined, see --counts")
+        say("failures are what each suite, campaign or request defined, see --counts")
 
 
 def print_groups(groups: Sequence[FailureGroup]) -> None:
@@ -105,17 +103,17 @@ def print_groups(groups: Sequence[FailureGroup]) -> None:
             f"{sum(one.since_baseline is since for one in groups)} {since}"
             for since in SinceBaseline
         ]
-        typer.echo(f"since the baseline: {', '.join(numbers)}")
+        say(f"since the baseline: {', '.join(numbers)}")
 
 
 def print_group(group: FailureGroup, changes: Sequence[GroupChange]) -> None:
     """Prints a group and what was decided about it, the last first."""
     print_groups((group,))
-    typer.echo(group.sentence)
+    say(group.sentence)
     if group.note:
-        typer.echo(group.note)
+        say(group.note)
     for change in changes:
-        typer.echo(f"{_moment(change.at)} {change.by or 'someone'}: {_describe_change(change)}")
+        say(f"{_moment(change.at)} {change.by or 'someone'}: {_describe_change(change)}")
 
 
 def _title(group: FailureGroup) -> str:

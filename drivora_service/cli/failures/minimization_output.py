@@ -6,9 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-import typer
-
-from drivora_service.cli.terminal.output import number, print_table
+from drivora_service.cli.terminal.output import number, print_table, say
 from drivora_service.oracles.verdicts.accountability import IN_WORDS
 
 if TYPE_CHECKING:
@@ -47,18 +45,18 @@ def print_minimization(minimization: Minimization) -> None:
         return
     failure = minimization.failure
     words = IN_WORDS[failure.accountability]
-    typer.echo(f"{failure.oracle} of {failure.ego}{f', {words}' if words else ''}")
+    say(f"{failure.oracle} of {failure.ego}{f', {words}' if words else ''}")
     print_table("", ("", "before", "after"), _rows(before, after))
     for sentence in minimization.removed:
-        typer.echo(f"  {sentence}")
+        say(f"  {sentence}")
     tried = "every single reduction was tried" if minimization.one_minimal else "not yet minimal"
     seconds = _seconds(minimization)
-    typer.echo(
+    say(
         f"{minimization.simulations} simulations{f' in {seconds:.1f} s' if seconds else ''}; "
         f"{tried}"
     )
     if minimization.minimal_run_id:
-        typer.echo(f"run {minimization.minimal_run_id}")
+        say(f"run {minimization.minimal_run_id}")
 
 
 def title_of(size: ScenarioSize, name: str) -> str:

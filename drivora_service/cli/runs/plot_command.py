@@ -12,7 +12,7 @@ import typer
 from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.application.references import id_of
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
-from drivora_service.cli.terminal.output import JsonOption, print_json
+from drivora_service.cli.terminal.output import JsonOption, print_json, say
 from drivora_service.errors import ConfigurationError
 from drivora_service.store.id_records import IdKind
 
@@ -102,4 +102,4 @@ def plot(
     if as_json:
         print_json({"picture": str(target)})
     else:
-        typer.echo(str(target))
+        say(str(target))

@@ -13,7 +13,7 @@ from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.application.references import ids_of
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
-from drivora_service.cli.terminal.output import JsonOption, print_json, print_table
+from drivora_service.cli.terminal.output import JsonOption, print_json, print_table, say
 from drivora_service.errors import ConfigurationError
 from drivora_service.store.id_records import IdKind
 
@@ -141,13 +141,13 @@ def _print_rows(done: Sequence[Rejudged]) -> None:
             print_table("Changed verdicts by oracle", ("oracle", "changed"), by_oracle)
     for one in done:
         if one.error or one.note:
-            print(f"{one.trace}: {one.error or one.note}")
+            say(f"{one.trace}: {one.error or one.note}")
     compared = sum(one.compared for one in done)
     changed = sum(one.is_changed for one in done)
     damaged = sum(one.is_damaged for one in done)
-    print(f"Traces: {len(done)}; compared: {compared}; changed: {changed}; damaged: {damaged}")
+    say(f"Traces: {len(done)}; compared: {compared}; changed: {changed}; damaged: {damaged}")
     missing = Counter(oracle for one in done for oracle in one.not_installed)
     for oracle, count in sorted(missing.items()):
-        print(f"Oracle {oracle} is not installed; traces that it judged before: {count}")
+        say(f"Oracle {oracle} is not installed; traces that it judged before: {count}")
     if others := sum(one.by_other_oracles for one in done):
-        print(f"Judged before by another version of the oracles: {others}")
+        say(f"Judged before by another version of the oracles: {others}")

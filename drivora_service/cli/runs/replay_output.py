@@ -6,7 +6,7 @@ import json
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from drivora_service.cli.terminal.output import print_table
+from drivora_service.cli.terminal.output import print_table, say
 from drivora_service.observations.differences.compared_signals import Value
 from drivora_service.suites.replay.replay_records import Divergence, Replay, ReplayOutcome
 
@@ -35,10 +35,10 @@ def print_replays(replays: Sequence[Replay]) -> None:
     )
     for replay in replays:
         for line in _remarks(replay):
-            print(line)
+            say(line)
     counts = Counter(replay.outcome for replay in replays)
     numbers = (f"{one.replace('_', ' ')}: {counts[one]}" for one in ReplayOutcome)
-    print(f"Runs: {len(replays)}; {'; '.join(numbers)}")
+    say(f"Runs: {len(replays)}; {'; '.join(numbers)}")
 
 
 def _remarks(replay: Replay) -> Iterator[str]:

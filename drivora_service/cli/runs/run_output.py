@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from drivora_service.api.schemas.runs import Run
-from drivora_service.cli.terminal.output import note, number, print_table
+from drivora_service.cli.terminal.output import note, number, print_table, say
 from drivora_service.errors import Problem
 from drivora_service.oracles.oracle_descriptions import SHARE
 from drivora_service.oracles.verdict import Outcome, Severity, Verdict
@@ -153,14 +153,14 @@ def print_result(result: ScenarioResult, *, where: str = "") -> None:
         scores = ((name, number(value, 3)) for name, value in run.scores.items())
         print_table("Objectives: the least is nearest to a failure", ("objective", "value"), scores)
     if run.configuration_id:
-        print(f"Configuration {run.configuration_id}: {run.configuration}")
+        say(f"Configuration {run.configuration_id}: {run.configuration}")
     for ego, agent in run.agents.items():
         parameters = (f"{name} {short_value(value)}" for name, value in agent.parameters.items())
-        print(f"Agent of {ego}: {', '.join((agent.name, *parameters))}")
+        say(f"Agent of {ego}: {', '.join((agent.name, *parameters))}")
     if result.trace:
-        print(f"Trace: {result.trace}  (draw it: drivora plot {result.trace})")
+        say(f"Trace: {result.trace}  (draw it: drivora plot {result.trace})")
     elif run.trace_sha256:
-        print(f"Draw it: drivora plot {run.id} {where}".rstrip())
+        say(f"Draw it: drivora plot {run.id} {where}".rstrip())
 
 
 def follow_up(run_id: str, where: str) -> str:
@@ -184,8 +184,8 @@ def _print_failures(run: Run) -> None:
     ]
     if run.status is RunStatus.AGENT_FAILED and run.failures:
         named.append("the ADS itself failed")
-    print(f"Failures: {run.failures}" + (f" ({'; '.join(named)})" if named else ""))
-    print(f"Failures are {run.definition.words}")
+    say(f"Failures: {run.failures}" + (f" ({'; '.join(named)})" if named else ""))
+    say(f"Failures are {run.definition.words}")
 
 
 def print_runs(runs: Sequence[RunSummary]) -> None:
@@ -278,27 +278,27 @@ def _row(result: ScenarioResult) -> tuple[str, ...]:
 def _print_remarks(result: ScenarioResult) -> None:
     run = result.run
     if run is None:
-        print(f"{result.scenario}: {_invalid(result.problems)}")
+        say(f"{result.scenario}: {_invalid(result.problems)}")
         for problem in result.problems:
-            print(f"  {problem.pointer or '/'}: {problem.message}")
+            say(f"  {problem.pointer or '/'}: {problem.message}")
         return
     for ego in run.privileged:
-        print(
+        say(
             f"{result.scenario}: {ego} sees everything, not only what the perception model "
             "lets through"
         )
     for verdict in find_artefact_verdicts(run.verdicts):
-        print(f"{result.scenario}: {verdict.ego}: {verdict.message}")
+        say(f"{result.scenario}: {verdict.ego}: {verdict.message}")
     if run.judged_by_other_oracles:
-        print(
+        say(
             f"{result.scenario}: judged by another version of the oracles; what changes by "
             f"today's: drivora rejudge {run.id}"
         )
     if run.error is None:
         return
-    print(f"{result.scenario}: {run.error.cause}: {run.error.message}")
+    say(f"{result.scenario}: {run.error.cause}: {run.error.message}")
     if run.error.log:
-        print("\n".join(f"  | {line}" for line in run.error.log.splitlines()[-_LOG_LINES:]))
+        say("\n".join(f"  | {line}" for line in run.error.log.splitlines()[-_LOG_LINES:]))
 
 
 def _make_refused_content(problems: Sequence[Problem]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
+from drivora_service.cli.terminal.output import say
 from drivora_service.errors import ConfigurationError
 
 
@@ -32,7 +33,7 @@ def examples(
         if path.is_file()
     }
     if out is None:
-        typer.echo("\n".join(map(str, files)))
+        say("\n".join(map(str, files)))
         return
     check_folder(out)
     taken = next((out / name for name in files if (out / name).exists()), None)
@@ -43,4 +44,4 @@ def examples(
             copy = out / name
             copy.parent.mkdir(parents=True, exist_ok=True)
             copy.write_bytes(path.read_bytes())
-    typer.echo("\n".join(str(out / name) for name in files))
+    say("\n".join(str(out / name) for name in files))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 import typer
 
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.cli.terminal.output import fail
+from drivora_service.cli.terminal.output import fail, say
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.importers.reading import FileFormat, detect_format
 
@@ -49,7 +49,7 @@ def print_problems(file: Path | str, problems: tuple[Problem, ...]) -> None:
     """Prints what is wrong with a file, each problem with its place, to standard error."""
     fail(f"{file}: {len(problems)} problem(s)")
     for problem in problems:
-        typer.echo(f"  {problem.pointer or '/'}: {problem.message}", err=True)
+        say(f"  {problem.pointer or '/'}: {problem.message}", is_error=True)
 
 
 def read_or_exit(file: Path | str, read: Callable[[], _First]) -> _First:

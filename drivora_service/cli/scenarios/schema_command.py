@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.cli.terminal.output import fail
+from drivora_service.cli.terminal.output import fail, say
 from drivora_service.errors import ConfigurationError
 
 
@@ -51,16 +51,16 @@ def schema(
     }
     if not check and not write:
         text_of, _ = schemas[document]
-        typer.echo(text_of(), nl=False)
+        say(text_of(), ends_line=False)
         return
     stale = False
     for text_of, path_of in schemas.values():
         text, path = text_of(), path_of()
         if write:
             path.write_text(text)
-            typer.echo(f"wrote {path.name}")
+            say(f"wrote {path.name}")
         elif path.is_file() and path.read_text() == text:
-            typer.echo(f"{path.name} is current")
+            say(f"{path.name} is current")
         else:
             fail(f"{path.name} is not current; `make schema` writes it again")
             stale = True

@@ -10,7 +10,7 @@ import typer
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.scenarios.seeds_rate_command import rate
 from drivora_service.cli.terminal.options import AgentParameterOption, DataDirOption
-from drivora_service.cli.terminal.output import JsonOption, fail, note, print_json
+from drivora_service.cli.terminal.output import JsonOption, fail, note, print_json, say
 
 app = typer.Typer(help="Seed scenarios: generated, imported, rated.", no_args_is_help=True)
 
@@ -70,7 +70,7 @@ def generate(
     if as_json:
         print_json({"files": written, "wanted": num, "reason": short_of})
     else:
-        typer.echo(f"{len(written)} scenarios in {out}")
+        say(f"{len(written)} scenarios in {out}")
     if short_of:
         fail(short_of)
         raise typer.Exit(ExitCode.NOT_DONE)
@@ -105,7 +105,7 @@ def import_seeds(
     if as_json:
         print_json({"files": written, "unreadable": [str(file.path) for file in unreadable]})
     else:
-        typer.echo(f"{len(written)} scenarios in {out}")
+        say(f"{len(written)} scenarios in {out}")
     if unreadable:
         raise typer.Exit(ExitCode.NOT_DONE)
 

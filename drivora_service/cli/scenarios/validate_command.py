@@ -13,7 +13,7 @@ from drivora_service.cli.application.command_connection import open_client
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.scenarios.other_files import NO_SCENARIO
 from drivora_service.cli.terminal.options import DataDirOption, ServerOption
-from drivora_service.cli.terminal.output import JsonOption, fail, print_json
+from drivora_service.cli.terminal.output import JsonOption, fail, print_json, say
 from drivora_service.errors import InvalidDocument, Problem
 
 
@@ -88,10 +88,10 @@ def _print(results: Sequence[dict[str, Any]]) -> None:
         if result["scenario"] and result["scenario"] != Path(where).stem:
             where += f" ({result['scenario']})"
         if result["valid"]:
-            typer.echo(f"{where}: valid")
+            say(f"{where}: valid")
         else:
             fail(f"{where}: {len(result['problems'])} problem(s)")
         for problem in result["problems"]:
-            typer.echo(f"  {problem['pointer'] or '/'}: {problem['message']}")
+            say(f"  {problem['pointer'] or '/'}: {problem['message']}")
         for remark in result["notes"]:
-            typer.echo(f"  note: {remark}")
+            say(f"  note: {remark}")

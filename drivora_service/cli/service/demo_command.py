@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.exit_codes import ExitCode
-from drivora_service.cli.terminal.output import note, number, print_table
+from drivora_service.cli.terminal.output import note, number, print_table, say
 from drivora_service.cli.terminal.run_progress import run_progress
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def demo(
         picture = _draw(data_dir, shown)
         finished = sum(run.status is RunStatus.FINISHED for run in runs)
         record = campaign.campaign
-        typer.echo(
+        say(
             f"{finished} of {len(runs)} runs judged, and failures in {record.counts.violating} of "
             f"{record.simulations} simulations found, in {time.monotonic() - begun:.0f} s.\n"
         )
@@ -179,7 +179,7 @@ def _print_where(data_dir: Path, run: Run, picture: Path | None, campaign: DemoC
         f"    http://127.0.0.1:8000/campaigns/{campaign_id}",
         f"    http://127.0.0.1:8000/runs/{run.id}",
     ]
-    typer.echo("\n".join(lines))
+    say("\n".join(lines))
 
 
 def _serve_at_a_terminal(page: str) -> None:
@@ -189,6 +189,6 @@ def _serve_at_a_terminal(page: str) -> None:
 
     if not sys.stdout.isatty():
         return
-    typer.echo(f"\nThe page, until Ctrl-C ends the service:\n  {page}")
+    say(f"\nThe page, until Ctrl-C ends the service:\n  {page}")
     with contextlib.suppress(KeyboardInterrupt):
         signal.pause()

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from drivora_service.cli.terminal.output import say
 from drivora_service.compilation import interpreted_kernels
 
 _LONGEST_S = 120.0
@@ -36,7 +37,7 @@ def print_first_verdict(file: Path) -> None:
         last = (done.stderr.strip() or f"its process ended with {done.returncode}").splitlines()[-1]
         note(f"no first verdict: {last}. The service judges all scenarios")
         return
-    print(f"first verdict: {done.stdout.strip()}", flush=True)
+    say(f"first verdict: {done.stdout.strip()}")
 
 
 def describe_run(file: Path) -> str:
@@ -79,4 +80,4 @@ def describe_run(file: Path) -> str:
 
 if __name__ == "__main__":
     with interpreted_kernels():
-        print(describe_run(Path(sys.argv[1])))
+        say(describe_run(Path(sys.argv[1])))

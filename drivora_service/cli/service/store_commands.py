@@ -11,7 +11,7 @@ import typer
 
 from drivora_service.cli.exit_codes import ExitCode
 from drivora_service.cli.terminal.options import DataDirOption
-from drivora_service.cli.terminal.output import JsonOption, fail, print_json
+from drivora_service.cli.terminal.output import JsonOption, fail, print_json, say
 
 if TYPE_CHECKING:
     from drivora_service.store.database import Database
@@ -30,7 +30,7 @@ def migrate(data_dir: DataDirOption = None, as_json: JsonOption = False) -> None
     if as_json:
         print_json({"schema": version})
     else:
-        typer.echo(f"the database has schema {version}")
+        say(f"the database has schema {version}")
 
 
 @app.command()
@@ -49,7 +49,7 @@ def backup(
             {"runs": made.runs, "traces": made.traces, "missing_traces": made.missing_traces}
         )
     else:
-        typer.echo(f"copied {made.runs} runs and {made.traces} traces to {target}")
+        say(f"copied {made.runs} runs and {made.traces} traces to {target}")
     if made.missing_traces:
         fail(f"{len(made.missing_traces)} traces were missing; `drivora store verify` lists them")
         raise typer.Exit(ExitCode.NOT_DONE)
@@ -84,7 +84,7 @@ def verify(
     else:
         for finding in findings:
             fail(f"{finding.kind}: {finding.subject}: {finding.message}")
-        typer.echo(f"{len(findings)} contradictions")
+        say(f"{len(findings)} contradictions")
     if findings:
         raise typer.Exit(ExitCode.GATE_FAILED)
 
@@ -151,7 +151,7 @@ def prune(
         )
     else:
         freed = f"{pruned.freed_bytes / 2**20:.1f} MiB"
-        typer.echo(f"removed {pruned.runs} runs and {pruned.traces} traces ({freed})")
+        say(f"removed {pruned.runs} runs and {pruned.traces} traces ({freed})")
 
 
 @contextmanager

@@ -7,9 +7,8 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TypeVar
 
-import typer
-
 from drivora_service.cli.terminal.out_option import convert_write_errors
+from drivora_service.cli.terminal.output import say
 from drivora_service.cli.terminal.private_files import give_to_user
 from drivora_service.studies.table_names import TableForm
 
@@ -70,4 +69,4 @@ def _write_csv(parquet: Path, csv: Path) -> None:
 
 def _show(path: Path) -> None:
     give_to_user(path)
-    typer.echo(str(path))
+    say(str(path))

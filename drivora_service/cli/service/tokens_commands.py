@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.terminal.options import DataDirOption
-from drivora_service.cli.terminal.output import JsonOption, print_json, print_table
+from drivora_service.cli.terminal.output import JsonOption, print_json, print_table, say
 from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def create(
     if as_json:
         print_json({"name": name, "scope": scope.value, "token": secret})
     else:
-        typer.echo(secret)
+        say(secret)
 
 
 @app.command("list")
@@ -72,7 +72,7 @@ def revoke(
 ) -> None:
     """Makes a token worthless at once, also for a service that runs."""
     _tokens(data_dir).revoke(name)
-    typer.echo(f"revoked {name}")
+    say(f"revoked {name}")
 
 
 def _tokens(data_dir: Path | None) -> TokenFile:

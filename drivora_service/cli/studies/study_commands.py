@@ -22,7 +22,7 @@ from drivora_service.cli.terminal.options import (
     location,
 )
 from drivora_service.cli.terminal.out_option import check_folder, convert_write_errors
-from drivora_service.cli.terminal.output import JsonOption, note, print_shape
+from drivora_service.cli.terminal.output import JsonOption, note, print_shape, say
 from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
 from drivora_service.errors import ConfigurationError, InvalidDocument, ServiceError
 from drivora_service.store.id_records import IdKind
@@ -312,7 +312,7 @@ def _say_state(study: Study, form: Form) -> None:
         form.print_shape(type(study), study)
         return
     requested = f", {study.request} requested" if study.state.is_active else ""
-    typer.echo(f"study {study.id} is {study.state}{requested}")
+    say(f"study {study.id} is {study.state}{requested}")
 
 
 def _show(client: Client, study: Study, form: Form) -> None:

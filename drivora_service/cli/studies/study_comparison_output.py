@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from drivora_service.cli.terminal.output import print_prose, print_table
+from drivora_service.cli.terminal.output import print_prose, print_table, say
 from drivora_service.studies.accountable_counts import COLUMNS, accountable_rows
 from drivora_service.studies.comparison.study_comparison import By, StudyComparison
 from drivora_service.studies.comparison.study_comparison_text import (
@@ -21,7 +21,7 @@ from drivora_service.studies.comparison.study_comparison_text import (
 def print_study_comparison(comparison: StudyComparison) -> None:
     """Prints the overview, then a table a measure."""
     for remark in remarks(comparison):
-        print(f"note: {remark}")
+        say(f"note: {remark}")
     _print_by_first(
         "What the simulations came to",
         COLUMNS,
@@ -36,7 +36,7 @@ def print_study_comparison(comparison: StudyComparison) -> None:
                 [overview_cells(row) for row in rows],
             )
     print_prose(how_to_read_study(comparison))
-    print()
+    say()
     for by, differences in ((By.METHOD, comparison.by_method), (By.AGENT, comparison.by_agent)):
         for title in dict.fromkeys(row.title for row in differences):
             _print_by_first(

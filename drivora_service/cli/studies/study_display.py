@@ -17,6 +17,7 @@ from drivora_service.cli.campaigns.campaign_warning_text import warning_line
 from drivora_service.cli.terminal.log_pace import LogPace
 from drivora_service.cli.terminal.output import note
 from drivora_service.store.campaigns.campaign_records import CampaignState
+from drivora_service.visible_text import visible_text
 
 if TYPE_CHECKING:
     from drivora_service.api.schemas.studies import Study
@@ -100,7 +101,7 @@ def study_display(study: Study) -> Iterator[StudyDisplay]:
     console = Console(stderr=True)
     display = StudyDisplay(
         study,
-        lambda line: console.print(Text(line), soft_wrap=True),
+        lambda line: console.print(Text(visible_text(line)), soft_wrap=True),
         in_lines=not console.is_terminal,
     )
     try:

@@ -7,10 +7,11 @@ from typing import Any
 
 from drivora_service.api.schemas.studies import Study, StudyInList
 from drivora_service.cli.campaigns.campaign_warning_text import print_warning
-from drivora_service.cli.terminal.output import print_table
+from drivora_service.cli.terminal.output import print_table, say
 from drivora_service.shapes import adapter
 from drivora_service.store.campaigns.campaign_records import CampaignState, CampaignSummary
 from drivora_service.store.campaigns.missing_results import missing_words
+from drivora_service.visible_text import visible_text
 
 
 def study_content(study: Study, campaigns: Sequence[CampaignSummary]) -> dict[str, Any]:
@@ -43,19 +44,19 @@ def print_studies(studies: Sequence[StudyInList]) -> None:
 def print_study(study: Study, campaigns: Sequence[CampaignSummary]) -> None:
     """Prints one study at length: a row for each scenario, agent and method."""
     counts = study.counts
-    print(f"Study {study.id} ({study.name}): {study.state}")
+    say(f"Study {study.id} ({study.name}): {study.state}")
     states = ", ".join(
         f"{study.campaigns[state]} {state}" for state in CampaignState if study.campaigns.get(state)
     )
-    print(f"  {sum(study.campaigns.values())} campaigns: {states}")
-    print(
+    say(f"  {sum(study.campaigns.values())} campaigns: {states}")
+    say(
         f"  {study.simulations} of {study.budget} simulations; {counts.invalid} candidates "
         f"invalid, {missing_words(counts.failed, study.missing_results)}"
     )
     avoidable = f"; {counts.avoidable} of them avoidable" if counts.at_fault else ""
-    print(f"  {counts.violating} failing ({counts.at_fault} at fault{avoidable})")
+    say(f"  {counts.violating} failing ({counts.at_fault} at fault{avoidable})")
     rows = [*_rows(campaigns)]
-    print()
+    say()
     print_table(
         "By scenario and agent: all repetitions together",
         ("method", "campaigns", "runs", "failing", "at fault", "avoidable"),
@@ -66,7 +67,8 @@ def print_study(study: Study, campaigns: Sequence[CampaignSummary]) -> None:
         print_warning(warning)
     for campaign in campaigns:
         if campaign.state is CampaignState.FAILED:
-            print(f"campaign {campaign.id} ({campaign.name}) has failed: {campaign.message}")
+            name = visible_text(campaign.name)
+            say(f"campaign {campaign.id} ({name}) has failed: {campaign.message}")
 
 
 def _rows(campaigns: Sequence[CampaignSummary]) -> Iterable[Sequence[str]]:

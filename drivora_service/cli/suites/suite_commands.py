@@ -18,7 +18,7 @@ from drivora_service.cli.terminal.options import (
     location,
 )
 from drivora_service.cli.terminal.out_option import check_file, write_result
-from drivora_service.cli.terminal.output import JsonOption, note, print_json, print_table
+from drivora_service.cli.terminal.output import JsonOption, note, print_json, print_table, say
 from drivora_service.cli.terminal.output_forms import TABLE, Form, FormKind, with_forms
 from drivora_service.cli.terminal.run_progress import run_progress
 from drivora_service.store.id_records import IdKind
@@ -290,7 +290,7 @@ def accept(
         print_table("", columns, rows, wrap=("failure",), cut=("scenario",))
     failures = sum(len(one.failures) for one in new.scenarios.values())
     verb = "would hold" if dry_run else "holds"
-    print(
+    say(
         f"{baseline} {verb} {failures} failures of {len(new.scenarios)} scenarios; "
         f"{len(changes)} changes"
     )

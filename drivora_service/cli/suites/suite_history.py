@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from drivora_service.cli.terminal.output import number, print_table
+from drivora_service.cli.terminal.output import number, print_table, say
 from drivora_service.store.suites.suite_records import (
     ScenarioState,
     SuiteEstimate,
@@ -59,7 +59,7 @@ def print_history(history: SuiteHistory) -> None:
     shown = [(name, line) for name, line in signs if set(line) - {".", " "}]
     if shown:
         print_table("", ("scenario", "oldest to newest"), shown, cut=("scenario",))
-        print(", ".join(f"{sign} {STATES_IN_WORDS[state]}" for state, sign in _SIGNS.items()))
+        say(", ".join(f"{sign} {STATES_IN_WORDS[state]}" for state, sign in _SIGNS.items()))
 
 
 def _row(run: SuiteRunSummary) -> tuple[str, ...]:

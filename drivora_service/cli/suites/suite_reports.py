@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drivora_service.cli.terminal.out_option import check_file, convert_write_errors, write_result
-from drivora_service.cli.terminal.output import note, print_prose, print_table
+from drivora_service.cli.terminal.output import note, print_prose, print_table, say
 from drivora_service.cli.terminal.private_files import give_to_user
 from drivora_service.errors import DrivoraError
 from drivora_service.oracles.verdicts.failure_definition import StatedDefinition
@@ -171,15 +171,15 @@ def print_report(report: SuiteReport) -> None:
         )
     for row in report.rows:
         for reason in row.gone:
-            print(f"{row.name}: a known failure did not occur: {reason}")
+            say(f"{row.name}: a known failure did not occur: {reason}")
         for run in row.unfinished:
-            print(f"{row.name}: {run.status.replace('_', ' ')}: {run.cause}: {run.message}")
+            say(f"{row.name}: {run.status.replace('_', ' ')}: {run.cause}: {run.message}")
     if decision.not_in_baseline:
-        print(f"Not in the baseline, or changed since: {', '.join(decision.not_in_baseline)}")
+        say(f"Not in the baseline, or changed since: {', '.join(decision.not_in_baseline)}")
     print_prose(f"{decision.definition_sentence}.")
     for reason in decision.reasons:
-        print(f"- {reason}")
-    print(f"{decision.sentence}.")
+        say(f"- {reason}")
+    say(f"{decision.sentence}.")
 
 
 def print_scenarios(scenarios: list[SuiteScenario]) -> None:

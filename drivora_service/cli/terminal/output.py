@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Protocol, TypeVar
@@ -11,6 +10,7 @@ from typing import Annotated, Any, Protocol, TypeVar
 import typer
 
 from drivora_service.errors import UnknownName
+from drivora_service.visible_text import visible_text
 
 
 class Named(Protocol):
@@ -27,10 +27,23 @@ Entry = TypeVar("Entry", bound=Named)
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 
 
+def say(text: str = "", *, is_error: bool = False, ends_line: bool = True) -> None:
+    r"""Prints a text; all commands print by this function.
+
+    Names and texts of agents may have characters that act on a terminal: it gets them as they are
+    written in JSON, such as ``\u001b``.
+
+    Args:
+        text: One line or several.
+        is_error: Whether it goes to standard error.
+        ends_line: Whether a line feed follows.
+    """
+    typer.echo(visible_text(text, has_lines=True), err=is_error, nl=ends_line)
+
+
 def print_json(value: Any) -> None:
     """Prints one JSON value; numbers that are not finite become null."""
-    json.dump(finite(value), sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
-    sys.stdout.write("\n")
+    say(json.dumps(finite(value), indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def print_shape(kind: Any, value: object) -> None:
@@ -60,14 +73,14 @@ def find_entry(kind: str, name: str, entries: Iterable[Entry]) -> Entry:
 def write_text(text: str, out: Path | None) -> None:
     """Writes a text to a file and prints its name, or prints the text itself."""
     if out is None:
-        typer.echo(text, nl=False)
+        say(text, ends_line=False)
         return
     from drivora_service.cli.terminal.out_option import convert_write_errors
 
     with convert_write_errors(out):
         out.parent.mkdir(parents=True, exist_ok=True)
         out.write_text(text)
-    typer.echo(str(out))
+    say(str(out))
 
 
 def print_table(
@@ -98,7 +111,7 @@ def print_table(
     table = table_of(columns, [*rows], wrap=wrap, cut=cut, headings=headings)
     head, body = table_lines(table, console.width)
     if title:
-        console.print(Text(title, style="italic"))
+        console.print(Text(visible_text(title), style="italic"))
     console.print()
     for line in head[:-1]:
         console.print(Text(line, style="bold"))
@@ -113,17 +126,17 @@ def print_prose(text: str) -> None:
 
     from rich.console import Console
 
-    print(textwrap.fill(text, Console().width, break_long_words=False, break_on_hyphens=False))
+    say(textwrap.fill(text, Console().width, break_long_words=False, break_on_hyphens=False))
 
 
 def note(message: str) -> None:
     """Prints a remark to standard error."""
-    typer.echo(message, err=True)
+    say(message, is_error=True)
 
 
 def fail(message: str) -> None:
     """Prints an error to standard error."""
-    typer.secho(message, err=True, fg=typer.colors.RED)
+    typer.secho(visible_text(message, has_lines=True), err=True, fg=typer.colors.RED)
 
 
 def number(value: float | None, digits: int = 1) -> str:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 import inspect
 import json
 import re
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -15,7 +13,7 @@ from typing import Annotated, Any, TypeVar
 
 import typer
 
-from drivora_service.cli.terminal.output import finite, print_json
+from drivora_service.cli.terminal.output import finite, print_json, say
 from drivora_service.errors import ConfigurationError
 
 Item = Mapping[str, Any]
@@ -88,16 +86,16 @@ class Form:
                 print_json(content)
             case FormKind.JSONL:
                 for item in items:
-                    print(json.dumps(finite(item), ensure_ascii=False, allow_nan=False))
+                    say(json.dumps(finite(item), ensure_ascii=False, allow_nan=False))
             case FormKind.CSV:
                 _print_csv(items)
             case FormKind.IDS:
                 for item in items:
                     if found := _id(item, id_field):
-                        print(found)
+                        say(found)
             case FormKind.TEMPLATE:
                 for item in items:
-                    print(_fill(self.template, item))
+                    say(_fill(self.template, item))
 
     def print_shape(self, kind: Any, value: object, *, id_field: str = "") -> None:
         """Prints a value of a type, or a tuple of them, as the API has it."""
@@ -172,12 +170,21 @@ def read_form(*, as_json: bool, text: str, id_only: bool) -> Form:
 
 
 def _print_csv(items: Sequence[Item]) -> None:
+    # Imported here: few commands print CSV.
+    from drivora_service.studies.tables.csv_text import csv_lines
+
     columns = list(dict.fromkeys(key for item in items for key in item))
-    writer = csv.writer(sys.stdout, lineterminator="\n")
     if columns:
-        writer.writerow(columns)
+        say(csv_lines([columns]), ends_line=False)
     for item in items:
-        writer.writerow([_cell(item.get(column)) for column in columns])
+        say(csv_lines([[_csv_cell(item.get(column)) for column in columns]]), ends_line=False)
+
+
+def _csv_cell(value: Any) -> Any:
+    """Returns a value as a cell of CSV: a number stays one, all else is text."""
+    value = finite(value)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return value if is_number else _cell(value)
 
 
 def _id(item: Item, field: str) -> str:

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from drivora_service.cli.terminal.log_pace import LogPace
+from drivora_service.cli.terminal.output import say
+from drivora_service.visible_text import visible_text
 
 
 @contextmanager
@@ -16,8 +18,6 @@ def run_progress(names: Sequence[str], *, total: int) -> Iterator[Callable[[str]
         names: What the runs belong to, each once.
         total: Number of runs of each name.
     """
-    import sys
-
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -30,7 +30,7 @@ def run_progress(names: Sequence[str], *, total: int) -> Iterator[Callable[[str]
     console, pace = Console(stderr=True), LogPace()
     ended = dict.fromkeys(names, 0)
     with Progress(*columns, console=console) as progress:
-        tasks = {name: progress.add_task(name, total=total) for name in names}
+        tasks = {name: progress.add_task(visible_text(name), total=total) for name in names}
 
         def count(name: str) -> None:
             progress.advance(tasks[name])
@@ -38,6 +38,6 @@ def run_progress(names: Sequence[str], *, total: int) -> Iterator[Callable[[str]
             # Without a terminal, the bar is printed at the end only.
             if not console.is_terminal and pace.is_due():
                 parts = [f"{name} {done}/{total}" for name, done in ended.items()]
-                print(", ".join(parts), file=sys.stderr, flush=True)
+                say(", ".join(parts), is_error=True)
 
         yield count

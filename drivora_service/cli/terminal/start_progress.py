@@ -8,7 +8,6 @@ printed.
 from __future__ import annotations
 
 import os
-import sys
 import tempfile
 import threading
 import time
@@ -16,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from drivora_service.cli.terminal.output import say
 from drivora_service.compilation.compilation_progress import (
     VARIABLE,
     CompilationProgress,
@@ -106,4 +106,4 @@ def _print_lines(lines: StartLines, file: Path, ended: threading.Event) -> None:
         line = lines.line(read_compilation_progress(file), time.monotonic())
         if line:
             # Whole lines: a display of rich puts them above itself.
-            print(line, file=sys.stderr, flush=True)
+            say(line, is_error=True)

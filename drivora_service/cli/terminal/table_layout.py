@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from rich.cells import cell_len, chop_cells
 from rich.text import Text
 
+from drivora_service.visible_text import visible_text
+
 _MARGIN = " "
 _STEP = "  "
 _LEAST_WRAPPED = 24
@@ -59,7 +61,7 @@ def table_of(
     cut: Collection[str] = (),
     headings: Sequence[str] = (),
 ) -> Table:
-    """Returns a table of plain text: escape sequences and line breaks in cells are removed."""
+    """Returns a table of plain text: colors and line breaks in cells are removed."""
     return Table(
         columns=tuple(columns),
         rows=tuple(tuple(_plain(cell) for cell in row) for row in rows),
@@ -213,4 +215,7 @@ def _lines(cells: Sequence[Sequence[str]], layout: _Layout, indent: str) -> list
 
 
 def _plain(text: str) -> str:
-    return " ".join(Text.from_ansi(text).plain.split("\n")) if text else ""
+    """Returns a text on one line, without colors, and with what else would act made visible."""
+    if not text:
+        return ""
+    return visible_text(" ".join(Text.from_ansi(text).plain.split("\n")))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from drivora_service.markdown_text import table
+from drivora_service.markdown_text import code_span, escape_markdown, table
 from drivora_service.studies.accountable_counts import COLUMNS, WORDS, accountable_rows
 from drivora_service.studies.campaign_figures import CampaignFigures
 from drivora_service.studies.comparison.campaign_comparison import Comparison
@@ -24,18 +24,19 @@ def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> 
         comparison: The comparison.
         charts: Pictures to show, in the folder of the text.
     """
-    lines = [f"# Comparison with {comparison.baseline}", "", how_to_read(comparison), ""]
-    lines += [f"- {line}" for line in describe_setting(comparison)]
-    lines += [f"- Note: {note}" for note in comparison.notes]
+    lines = [f"# Comparison with {escape_markdown(comparison.baseline)}", ""]
+    lines += [escape_markdown(how_to_read(comparison)), ""]
+    lines += [f"- {escape_markdown(line)}" for line in describe_setting(comparison)]
+    lines += [f"- Note: {escape_markdown(note)}" for note in comparison.notes]
     lines += ["", "## What the simulations came to", "", WORDS, ""]
     lines += table(COLUMNS, accountable_rows(comparison.campaigns))
     for by in measures_of(comparison):
         better = "more" if by.larger_is_better else "less"
         lines += [
             "",
-            f"## {by.title[0].upper()}{by.title[1:]}",
+            f"## {escape_markdown(by.title[0].upper() + by.title[1:])}",
             "",
-            f"`{by.name}`; {better} is better.",
+            f"{code_span(by.name)}; {better} is better.",
             "",
         ]
         titles = ("scenario", "method", "n", "median", comparison.baseline)

@@ -80,12 +80,13 @@ def study_markdown(comparison: StudyComparison, charts: Sequence[str] = ()) -> s
         comparison: The comparison.
         charts: Names of pictures in the folder of the text.
     """
-    lines = [f"# {comparison.name}", "", how_to_read_study(comparison), ""]
+    lines = [f"# {escape_markdown(comparison.name)}", ""]
+    lines += [escape_markdown(how_to_read_study(comparison)), ""]
     lines += [f"- {escape_markdown(remark)}" for remark in remarks(comparison)]
     for by in By:
         rows = [row for row in comparison.overview if row.by is by]
         if rows:
-            lines += ["", f"## By {by}, against {baseline_of(comparison, by)}", ""]
+            lines += ["", f"## By {by}, against {escape_markdown(baseline_of(comparison, by))}", ""]
             lines += table(OVERVIEW_COLUMNS, [overview_cells(row) for row in rows])
     lines += ["", "## What the simulations came to", "", WORDS, ""]
     lines += table(
@@ -94,7 +95,7 @@ def study_markdown(comparison: StudyComparison, charts: Sequence[str] = ()) -> s
     lines += [f"\n![{name}]({name})" for name in charts]
     for by, differences in ((By.METHOD, comparison.by_method), (By.AGENT, comparison.by_agent)):
         for title in dict.fromkeys(row.title for row in differences):
-            lines += ["", f"## By {by}: {title}", ""]
+            lines += ["", f"## By {by}: {escape_markdown(title)}", ""]
             own = [detail_cells(row) for row in differences if row.title == title]
             lines += table(DETAIL_COLUMNS, own)
     return "\n".join(lines) + "\n"

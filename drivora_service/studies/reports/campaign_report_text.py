@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from drivora_service.campaigns.document.campaign import FeedbackMode
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument
-from drivora_service.markdown_text import table
+from drivora_service.markdown_text import code_span, escape_markdown, table
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountability
 from drivora_service.oracles.verdicts.failure_facts import full_message
 from drivora_service.short_values import short_value
@@ -29,15 +29,19 @@ def report_markdown(
         options: Additional options of the commands in the text, such as ``--data-dir DIR``.
     """
     record = report.record
-    lines = [f"# Campaign {record.name}", ""]
-    lines += [f"`{record.id}`, {record.state}" + (f": {record.message}" if record.message else "")]
+    lines = [f"# Campaign {escape_markdown(record.name)}", ""]
+    message = f": {escape_markdown(record.message)}" if record.message else ""
+    lines += [f"{code_span(record.id)}, {record.state}{message}"]
     if record.warnings:
         lines += ["", "## Warnings", ""]
-        lines += [f"- {one.message} {one.advice} See `{one.page}`." for one in record.warnings]
+        lines += [
+            f"- {escape_markdown(f'{one.message} {one.advice}')} See {code_span(one.page)}."
+            for one in record.warnings
+        ]
     lines += ["", "## Search", "", *table(("", ""), _make_search_rows(report))]
     lines += ["", "## Results", "", *table(("", ""), _outcome(report))]
     if report.note:
-        lines += ["", f"Coverage and times are not known: {report.note}"]
+        lines += ["", f"Coverage and times are not known: {escape_markdown(report.note)}"]
     if report.seeds:
         lines += ["", "## Seed scenarios", "", *_by_seed(report)]
     lines += ["", "## Failures", "", *_failures(report)]
@@ -244,10 +248,10 @@ def _group(
     file = f"{report.record.town}-{number}.json"
     extra = f" {options}" if options else ""
     lines = [
-        f"### {heading}",
+        f"### {escape_markdown(heading)}",
         "",
-        f"Evaluation {number} ({failure.confirmation}): {verdict.ego}{when}{fault}. "
-        f"{full_message(verdict)}",
+        f"Evaluation {number} ({failure.confirmation}): "
+        + escape_markdown(f"{verdict.ego}{when}{fault}. {full_message(verdict)}"),
         "",
         "```sh",
         f"drivora campaign scenario {campaign} {number} --out {file}{extra}",

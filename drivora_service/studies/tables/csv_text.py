@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+
+from drivora_service.visible_text import visible_text
 
 _MARK = "'"
 _MARKED = frozenset(
@@ -18,9 +21,10 @@ def safe_text(text: str) -> str:
 
     Labels and names come from clients and agents, and a spreadsheet would execute them. A text that
     begins with the mark itself gets one, too, so that removing the first mark of a cell always
-    gives the text.
+    gives the text. Lines stay; other characters that would act on a terminal are made visible.
     """
-    return _MARK + text if text[:1] in _MARKED else text
+    shown = visible_text(text, has_lines=True)
+    return _MARK + shown if text[:1] in _MARKED else shown
 
 
 def safe_cells(cells: Iterable[object]) -> list[object]:
@@ -28,9 +32,15 @@ def safe_cells(cells: Iterable[object]) -> list[object]:
     return [safe_text(cell) if isinstance(cell, str) else cell for cell in cells]
 
 
+def csv_lines(rows: Iterable[Iterable[object]]) -> str:
+    """Returns lines of CSV, all texts as :func:`safe_text` writes them; ``None`` is empty."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(map(safe_cells, rows))
+    return text.getvalue()
+
+
 def write_csv(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     """Writes a CSV file: a line of columns, then the rows; ``None`` is an empty cell."""
     with path.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(map(safe_cells, rows))
+        file.write(csv_lines([columns]))
+        file.write(csv_lines(rows))

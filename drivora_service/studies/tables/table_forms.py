@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -17,7 +15,7 @@ import pyarrow.parquet as pq
 from drivora_service.errors import InvalidDocument, Problem, UnknownName
 from drivora_service.observations.trace_files.table_stream import PartsFile
 from drivora_service.studies.table_names import TableForm
-from drivora_service.studies.tables.csv_text import safe_text
+from drivora_service.studies.tables.csv_text import csv_lines
 
 _ROW_GROUP = 20_000
 """Rows that are written together."""
@@ -137,14 +135,10 @@ def _groups(table: Table) -> Iterator[list[Row]]:
 
 
 def _lines(rows: Sequence[Sequence[object]]) -> bytes:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
-    return text.getvalue().encode()
+    return csv_lines(rows).encode()
 
 
 def _cell(value: object) -> object:
-    if isinstance(value, str):
-        return safe_text(value)
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, datetime):

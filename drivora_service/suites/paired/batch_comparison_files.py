@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from pathlib import Path
 
-from drivora_service.studies.tables.csv_text import safe_cells
+from drivora_service.studies.tables.csv_text import write_csv
 from drivora_service.suites.paired.batch_comparison import (
     BatchComparison,
     FailureComparison,
@@ -48,8 +47,8 @@ def write_batch_comparison(comparison: BatchComparison, folder: Path) -> tuple[P
         *_PAIR_COLUMNS,
         *(f"{column}_{side}" for column in (*_RUN_COLUMNS, *names) for side in "ab"),
     )
-    _write(pairs, columns, (_pair_cells(pair, names) for pair in comparison.pairs))
-    _write(
+    write_csv(pairs, columns, (_pair_cells(pair, names) for pair in comparison.pairs))
+    write_csv(
         left_out,
         _LEFT_OUT_COLUMNS,
         ([getattr(one, name) for name in _LEFT_OUT_COLUMNS] for one in comparison.left_out),
@@ -78,11 +77,4 @@ def _write_rows(
     path: Path, kind: type, rows: Iterable[FailureComparison | MetricComparison]
 ) -> None:
     columns = [field.name for field in fields(kind)]
-    _write(path, columns, ([getattr(row, name) for name in columns] for row in rows))
-
-
-def _write(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(map(safe_cells, rows))
+    write_csv(path, columns, ([getattr(row, name) for name in columns] for row in rows))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drivora_service.markdown_text import escape_markdown, table
+from drivora_service.markdown_text import code_span, escape_markdown, table
 from drivora_service.oracles.verdicts.failure_definition import DefinitionOrigin
 from drivora_service.suites.paired.batch_comparison import (
     SIGNIFICANT,
@@ -29,16 +29,16 @@ _FAILS = {
 
 def comparison_markdown(comparison: BatchComparison) -> str:
     """Writes a comparison as Markdown."""
-    lines = ["# Two batches on the same scenarios", "", comparison.sentence, ""]
+    lines = ["# Two batches on the same scenarios", "", escape_markdown(comparison.sentence), ""]
     lines += [f"- {name}: {escape_markdown(line)}" for name, line in sides(comparison)]
     lines += [f"- {escape_markdown(line)}" for line in describe_differences(comparison)]
     lines += [f"- Note: {escape_markdown(note)}" for note in comparison.notes]
-    lines += ["", "## Failures", "", how_to_read_failures(comparison), ""]
+    lines += ["", "## Failures", "", escape_markdown(how_to_read_failures(comparison)), ""]
     lines += table(FAILURE_COLUMNS, map(failure_cells, failure_rows(comparison)))
     lines += ["", "## Metrics", "", how_to_read_metrics(), ""]
     measured = [row for row in comparison.metrics if row.scenarios]
     lines += table(METRIC_COLUMNS, map(metric_cells, measured))
-    unknown = [f"`{row.metric}`" for row in comparison.metrics if not row.scenarios]
+    unknown = [code_span(row.metric) for row in comparison.metrics if not row.scenarios]
     if unknown:
         lines += ["", f"Not measurable in any pair: {', '.join(unknown)}."]
     lines += ["", "## Pairs that tell A from B", ""]

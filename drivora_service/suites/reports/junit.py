@@ -9,6 +9,7 @@ from drivora_service.store.suites.suite_records import ScenarioState
 from drivora_service.suites.gate.failure_classes import FailureClass
 from drivora_service.suites.gate.gate_decision import ClassifiedFailure
 from drivora_service.suites.reports.suite_report import ScenarioRow, SuiteReport
+from drivora_service.visible_text import visible_text
 
 _GATE = "gate"
 # XML 1.0 has no place for these characters, not even as references.
@@ -126,5 +127,5 @@ def _details(one: ClassifiedFailure, report: SuiteReport) -> str:
 
 
 def _clean(text: str) -> str:
-    """Replaces what XML cannot hold."""
-    return _NO_XML.sub("\ufffd", text)
+    """Returns a text with what acts made visible, and with what else XML cannot hold replaced."""
+    return _NO_XML.sub("\ufffd", visible_text(text, has_lines=True))

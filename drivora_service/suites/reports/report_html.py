@@ -8,6 +8,7 @@ from drivora_service.oracles.verdicts.accountability import IN_WORDS
 from drivora_service.store.suites.suite_records import ScenarioState
 from drivora_service.suites.gate.gate_decision import ClassifiedFailure
 from drivora_service.suites.reports.suite_report import STATES_IN_WORDS, SuiteReport
+from drivora_service.visible_text import visible_text
 
 _TEMPLATE = "report.html.jinja"
 
@@ -23,6 +24,7 @@ def report_html(report: SuiteReport) -> str:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        finalize=_visible,
     )
     order = {state: rank for rank, state in enumerate(ScenarioState)}
     return environment.get_template(_TEMPLATE).render(
@@ -34,6 +36,16 @@ def report_html(report: SuiteReport) -> str:
         shown=[],
         pictures={run_id: _source(svg) for run_id, svg in report.pictures.items()},
     )
+
+
+def _visible(value: object) -> object:
+    """Returns a text with what acts made visible; Jinja escapes HTML in it afterwards."""
+    if not isinstance(value, str):
+        return value
+    from markupsafe import Markup
+
+    shown = visible_text(value, has_lines=True)
+    return Markup(shown) if isinstance(value, Markup) else shown  # it was escaped
 
 
 def _facts(one: ClassifiedFailure) -> str:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
-
-from drivora_service.studies.tables.csv_text import safe_cells
+from drivora_service.studies.tables.csv_text import csv_lines
 from drivora_service.suites.reports.suite_report import STATES_IN_WORDS, SuiteReport
 
 _COLUMNS = (
@@ -35,9 +32,7 @@ def runs_csv(report: SuiteReport) -> str:
         CSV with a header; values that are not measurable are empty.
     """
     metrics = sorted({name for run in report.results.runs for name in run.metrics})
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*_COLUMNS, *safe_cells(metrics)])
+    lines: list[tuple[object, ...]] = [(*_COLUMNS, *metrics)]
     for row in report.rows:
         for run in row.runs:
             failures = [
@@ -63,5 +58,5 @@ def runs_csv(report: SuiteReport) -> str:
                 run.wall_time_s,
                 run.trace_sha256,
             )
-            writer.writerow([*safe_cells(values), *(run.metrics.get(name) for name in metrics)])
-    return text.getvalue()
+            lines.append((*values, *(run.metrics.get(name) for name in metrics)))
+    return csv_lines(lines)
