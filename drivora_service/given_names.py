@@ -1,4 +1,4 @@
-"""Names and notes that users give: types for documents and requests, and their check.
+"""Names and notes that users give: their check, for types of documents and requests.
 
 A name is one line without acting characters (see ``visible_text``); a note may have several lines.
 Documents of older versions may have other names: :func:`read_stored` accepts those.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Annotated, Any, TypeVar
+from typing import Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ValidationInfo
 from pydantic_core import PydanticCustomError
@@ -71,8 +71,8 @@ def _check(text: str, info: ValidationInfo, found: str, allowed: str) -> str:
     return text
 
 
-GivenName = Annotated[str, AfterValidator(_check_name)]
-"""A name, label, title or other text of one line."""
+CHECKED_NAME = AfterValidator(_check_name)
+"""Makes a text a name, label or title; stands behind the bounds in ``Annotated[str, …]``."""
 
-GivenNote = Annotated[str, AfterValidator(_check_note)]
-"""A note, which may have several lines."""
+CHECKED_NOTE = AfterValidator(_check_note)
+"""Makes a text a note, which may have several lines; stands behind the bounds likewise."""

@@ -15,7 +15,7 @@ from pydantic_core import PydanticCustomError
 from drivora_service.agents.entry import AgentKind
 from drivora_service.agents.manifest_parameters import ManifestParameter, ParameterDocument
 from drivora_service.errors import AgentError, InvalidDocument, Problem
-from drivora_service.given_names import GivenName, GivenNote
+from drivora_service.given_names import CHECKED_NAME, CHECKED_NOTE
 from drivora_service.scenario.document_problems import structural_problems
 from drivora_service.scenario.fields import NAME_PATTERN
 from drivora_service.scenario.plain_data import plain_data
@@ -26,7 +26,8 @@ _SETTING = r"^DRIVORA_[A-Z0-9_]+$"
 _ADDRESS = r"^(unix:/.+|\[?[A-Za-z0-9_.:-]+\]?:[0-9]{1,5})$"
 
 _Text = Annotated[str, Field(strict=True, min_length=1, max_length=2000)]
-_Shown = Annotated[GivenNote, Field(strict=True, min_length=1, max_length=2000)]
+_Version = Annotated[str, Field(strict=True, min_length=1, max_length=200), CHECKED_NAME]
+_Shown = Annotated[str, Field(strict=True, min_length=1, max_length=2000), CHECKED_NOTE]
 _Variable = Annotated[str, Field(strict=True, pattern=r"^[^=]+$", max_length=2000)]
 _ParameterName = Annotated[str, Field(strict=True, pattern=r"^[A-Za-z][A-Za-z0-9_]{0,63}$")]
 _Seconds = Annotated[float, Field(gt=0, le=3600, allow_inf_nan=False)]
@@ -102,7 +103,9 @@ class _Manifest(BaseModel):
     description: _Shown
     source: _Shown
     licence: _Shown
-    version: Annotated[GivenName, Field(strict=True, min_length=1, max_length=200)] | None = None
+    version: (
+        Annotated[str, Field(strict=True, min_length=1, max_length=200), CHECKED_NAME] | None
+    ) = None
     command: tuple[_Text, ...] = ()
     variables: dict[_Variable, Annotated[str, Field(strict=True)]] = {}
     settings: tuple[Annotated[str, Field(strict=True, pattern=_SETTING)], ...] = ()

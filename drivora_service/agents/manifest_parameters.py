@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from drivora_service.given_names import GivenNote
+from drivora_service.given_names import CHECKED_NOTE
 from drivora_service.parameters import parameter_problems
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ _Limit = Annotated[float, Field(allow_inf_nan=False)]
 _WHOLE = 2.0**63
 """Largest limit of an integer that can be checked."""
 _Text = Annotated[str, Field(strict=True, max_length=2000)]
-_Shown = Annotated[GivenNote, Field(strict=True, max_length=2000)]
+_Shown = Annotated[str, Field(strict=True, max_length=2000), CHECKED_NOTE]
 _Value = (
     Annotated[bool, Field(strict=True)]
     | Annotated[int, Field(strict=True)]

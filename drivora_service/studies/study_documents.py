@@ -17,7 +17,7 @@ from drivora_service.campaigns.document.campaign_documents import (
     Workers,
 )
 from drivora_service.campaigns.document.feedback_documents import FeedbackDocument
-from drivora_service.given_names import GivenName
+from drivora_service.given_names import CHECKED_NAME
 from drivora_service.oracles.verdicts.failure_definition import Counted
 from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
@@ -40,8 +40,9 @@ def _without_outer_blanks(text: str) -> str:
 
 
 Label = Annotated[
-    GivenName,
+    str,
     Field(strict=True, min_length=1, max_length=LONGEST_LABEL),
+    CHECKED_NAME,
     AfterValidator(_without_outer_blanks),
 ]
 

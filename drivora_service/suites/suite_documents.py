@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from drivora_service.campaigns.document.campaign_documents import OracleNames, PluginName
-from drivora_service.given_names import GivenName, GivenNote
+from drivora_service.given_names import CHECKED_NAME, CHECKED_NOTE
 from drivora_service.oracles.verdicts.failure_definition import Counted, KnownFailure
 from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
@@ -67,7 +67,7 @@ class KnownFailureDocument(EntityDocument):
     ego: Annotated[str, Field(strict=True, pattern=fields.ID_PATTERN)] | None = Field(
         None, description="Id of the ego; without it, any."
     )
-    counterpart: Annotated[GivenName, Field(strict=True, max_length=256)] | None = Field(
+    counterpart: Annotated[str, Field(strict=True, max_length=256), CHECKED_NAME] | None = Field(
         None, description="Id of the other actor; without it, any."
     )
     agents: Annotated[tuple[fields.AgentName, ...], Field(max_length=1000)] = Field(
@@ -118,7 +118,7 @@ class ExpectationsDocument(EntityDocument):
         (), description="Failures that are known and do not count."
     )
     difficulty: DifficultyDocument | None = Field(None, description="Which ADSs fail in it.")
-    comment: Annotated[GivenNote, Field(strict=True, max_length=10_000)] = Field(
+    comment: Annotated[str, Field(strict=True, max_length=10_000), CHECKED_NOTE] = Field(
         "", description="For people."
     )
 
@@ -138,7 +138,7 @@ class SuiteDocument(EntityDocument):
 
     version: Literal["1.0"] = Field("1.0", description="Version of this format.")
     name: Label = Field(description="Display name.")
-    description: Annotated[GivenNote, Field(strict=True, max_length=10_000)] = Field(
+    description: Annotated[str, Field(strict=True, max_length=10_000), CHECKED_NOTE] = Field(
         "", description="For people."
     )
     scenarios: Annotated[

@@ -78,7 +78,9 @@ class Study:
             return transaction.campaigns.create(new_campaign(valid)).id
 
     def run(self, content: dict[str, Any], **changes: Any) -> CampaignRecord:
-        campaign_id = self.create(content, **changes)
+        return self.continued(self.create(content, **changes))
+
+    def continued(self, campaign_id: str) -> CampaignRecord:
         return run_stored(
             self.database,
             campaign_id,

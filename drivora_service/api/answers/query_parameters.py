@@ -10,7 +10,7 @@ from pydantic import AwareDatetime
 
 from drivora_service.api.answers.recorded_frames import FramePart, StepRange
 from drivora_service.api.answers.submission import Overrides
-from drivora_service.given_names import GivenName
+from drivora_service.given_names import CHECKED_NAME
 from drivora_service.observations.trace_files.trace_rows import TraceRows
 from drivora_service.oracles.verdict import Outcome
 from drivora_service.oracles.verdicts.accountability import Accountability
@@ -42,7 +42,7 @@ Configuration = Annotated[
         description="Of the agents with all their parameters that have this `configuration_id`.",
     ),
 ]
-Label = Annotated[GivenName, Query(max_length=LONGEST_LABEL, description="Display name.")]
+Label = Annotated[str, Query(max_length=LONGEST_LABEL, description="Display name."), CHECKED_NAME]
 
 
 async def _overrides(

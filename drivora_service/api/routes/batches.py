@@ -40,7 +40,7 @@ from drivora_service.api.schemas.batches import (
     batch_of,
 )
 from drivora_service.errors import InvalidDocument, Problem
-from drivora_service.given_names import GivenName
+from drivora_service.given_names import CHECKED_NAME
 from drivora_service.oracles.verdicts.failure_definition import (
     FailureDefinition,
     definition_to_json,
@@ -74,7 +74,7 @@ def post_batch(
     body: request_bodies.RawBody,
     overrides: RunOverrides,
     definition: PostedDefinition,
-    name: Annotated[GivenName, Query(max_length=200, description="Display name.")] = "",
+    name: Annotated[str, Query(max_length=200, description="Display name."), CHECKED_NAME] = "",
     priority: Annotated[Priority, Query(description="Priority of its runs.")] = Priority.CI,
     idempotency_key: IdempotencyKey = "",
 ) -> Response:

@@ -11,7 +11,7 @@ from pydantic import Field
 from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.problems import ProblemItem
 from drivora_service.campaigns.document.campaign_documents import OracleNames
-from drivora_service.given_names import GivenName
+from drivora_service.given_names import CHECKED_NAME
 from drivora_service.oracles.verdicts.failure_definition import (
     Counted,
     FailureDefinition,
@@ -48,7 +48,9 @@ class PostedFailures(Schema):
 class LabelledScenario(Schema):
     """A scenario of a batch, with what belongs to its run."""
 
-    label: GivenName = Field(strict=True, max_length=LONGEST_LABEL, description="Display name.")
+    label: Annotated[str, Field(strict=True, max_length=LONGEST_LABEL), CHECKED_NAME] = Field(
+        description="Display name."
+    )
     seed: fields.Seed | None = Field(
         None, description="Overrides the seeds of the request and of the scenario."
     )

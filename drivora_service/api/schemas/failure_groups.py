@@ -9,7 +9,7 @@ from pydantic import Field
 
 from drivora_service.api.schemas.base import Schema
 from drivora_service.api.schemas.failures import FoundFailure, found_failure_of
-from drivora_service.given_names import GivenName, GivenNote
+from drivora_service.given_names import CHECKED_NAME, CHECKED_NOTE
 from drivora_service.shapes import Shape, combine
 from drivora_service.store.failures import group_records
 from drivora_service.store.failures.group_records import (
@@ -22,14 +22,15 @@ from drivora_service.store.failures.group_records import (
 _MOST_GROUPS, _MOST_FAILURES, _MOST_NAMES = 100, 10_000, 100
 
 Person = Annotated[
-    GivenName,
+    str,
     Field(
         max_length=LONGEST_PERSON,
         description="Who decides; the name of the token, if there is one, is noted as well.",
     ),
+    CHECKED_NAME,
 ]
 GroupId = Annotated[str, Field(min_length=1, max_length=40)]
-GroupLabel = Annotated[GivenName, Field(max_length=LONGEST_LABEL)]
+GroupLabel = Annotated[str, Field(max_length=LONGEST_LABEL), CHECKED_NAME]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,10 +63,12 @@ class DecisionRequest(Schema):
 
     status: GroupStatus | None = Field(None, description="Its status.")
     label: GroupLabel | None = Field(None, description="Its name; empty: told by its `names`.")
-    assignee: GivenName | None = Field(
-        None, max_length=LONGEST_PERSON, description="Who takes care of it; empty: nobody."
+    assignee: Annotated[str, Field(max_length=LONGEST_PERSON), CHECKED_NAME] | None = Field(
+        None, description="Who takes care of it; empty: nobody."
     )
-    note: GivenNote | None = Field(None, max_length=LONGEST_NOTE, description="A note.")
+    note: Annotated[str, Field(max_length=LONGEST_NOTE), CHECKED_NOTE] | None = Field(
+        None, description="A note."
+    )
     by: Person = ""
     revision: int | None = Field(
         None,

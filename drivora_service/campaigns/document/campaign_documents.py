@@ -26,7 +26,7 @@ from drivora_service.campaigns.document.campaign import (
 )
 from drivora_service.campaigns.document.feedback_documents import FeedbackDocument
 from drivora_service.campaigns.document.start_documents import StartDocument
-from drivora_service.given_names import GivenName
+from drivora_service.given_names import CHECKED_NAME
 from drivora_service.oracles.verdicts.failure_definition import Counted, FailureDefinition
 from drivora_service.scenario import fields
 from drivora_service.scenario.documents import ScenarioDocument
@@ -288,7 +288,7 @@ class SpaceDocument(EntityDocument):
 class SeedDocument(EntityDocument):
     """One of several seed scenarios."""
 
-    name: Annotated[GivenName, Field(strict=True, min_length=1, max_length=200)] = Field(
+    name: Annotated[str, Field(strict=True, min_length=1, max_length=200), CHECKED_NAME] = Field(
         description="For results by seed scenario."
     )
     scenario: ScenarioDocument = Field(description="The scenario.")
@@ -306,7 +306,7 @@ class CampaignDocument(EntityDocument):
     """A search for scenarios in which an ADS fails."""
 
     version: Literal["1.0"] = Field("1.0", description="Version of this format.")
-    name: Annotated[GivenName, Field(strict=True, min_length=1, max_length=200)] = Field(
+    name: Annotated[str, Field(strict=True, min_length=1, max_length=200), CHECKED_NAME] = Field(
         description="For people."
     )
     tester: TesterDocument = Field(description="The tester of the campaign.")

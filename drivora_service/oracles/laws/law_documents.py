@@ -6,14 +6,14 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from drivora_service.given_names import GivenName, GivenNote
+from drivora_service.given_names import CHECKED_NAME, CHECKED_NOTE
 from drivora_service.oracles.verdict import Severity
 
 NAME = r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$"
 MAX_LAWS = 100
 MAX_PARAMETERS = 30
 
-_Sentence = Annotated[GivenNote, Field(strict=True, min_length=1, max_length=2000)]
+_Sentence = Annotated[str, Field(strict=True, min_length=1, max_length=2000), CHECKED_NOTE]
 _Name = Annotated[str, Field(strict=True, pattern=NAME, max_length=60)]
 
 
@@ -27,7 +27,7 @@ class LawParameterDocument(_Document):
     value: Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1e9, le=1e9)] = Field(
         description="Its value."
     )
-    unit: Annotated[GivenName, Field(strict=True, max_length=20)] = Field(
+    unit: Annotated[str, Field(strict=True, max_length=20), CHECKED_NAME] = Field(
         description="Its unit, made of m, s and rad: m/s, m/s², s; 1 for a share."
     )
     meaning: _Sentence = Field(description="One sentence.")
@@ -39,13 +39,13 @@ class LawDocument(_Document):
     name: _Name = Field(
         description="Name of the oracle: lower-case letters and digits in words joined by _."
     )
-    title: Annotated[GivenName, Field(strict=True, min_length=1, max_length=120)] = Field(
+    title: Annotated[str, Field(strict=True, min_length=1, max_length=120), CHECKED_NAME] = Field(
         description="A few words."
     )
     source: _Sentence = Field(description="The law and its article.")
     description: _Sentence = Field(description="One sentence: what violates it.")
-    left_out: GivenNote = Field(
-        "", strict=True, max_length=2000, description="What of the article the formula leaves out."
+    left_out: Annotated[str, Field(strict=True, max_length=2000), CHECKED_NOTE] = Field(
+        "", description="What of the article the formula leaves out."
     )
     severity: Severity = Field(
         Severity.OBSERVATION,
