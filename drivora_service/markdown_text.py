@@ -9,6 +9,7 @@ from drivora_service.visible_text import visible_text
 
 # An underscore between letters or digits is none: names have them.
 _MARKUP = re.compile(r"[\\`*\[\]<|&~]|_(?![^\W_])|(?<![^\W_])_")
+_CODE = re.compile("(?<!`)`([^`]+)`(?!`)")
 _MARKUP_AT_THE_BEGINNING = (">", "#", "-", "+", "=")
 
 
@@ -24,6 +25,19 @@ def escape_markdown(text: str) -> str:
     Characters that act on what shows the text are made visible; see ``visible_text``.
     """
     line = _inline(text)
+    return f"\\{line}" if line.startswith(_MARKUP_AT_THE_BEGINNING) else line
+
+
+def escape_prose(text: str) -> str:
+    """Returns sentences on one line, as :func:`escape_markdown`, but with code in them as code.
+
+    Notes and advice name commands between backticks.
+    """
+    parts = _CODE.split(" ".join(text.split()))
+    # Every second part is what was between two backticks.
+    line = "".join(
+        code_span(part) if number % 2 else _escape(part) for number, part in enumerate(parts)
+    )
     return f"\\{line}" if line.startswith(_MARKUP_AT_THE_BEGINNING) else line
 
 
@@ -53,4 +67,8 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def _inline(text: str) -> str:
-    return _MARKUP.sub(r"\\\g<0>", visible_text(" ".join(text.split())))
+    return _escape(" ".join(text.split()))
+
+
+def _escape(line: str) -> str:
+    return _MARKUP.sub(r"\\\g<0>", visible_text(line))

@@ -1,13 +1,22 @@
 from __future__ import annotations
 
+import re
 from html import unescape
 from html.parser import HTMLParser
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
-from drivora_service.markdown_text import Markdown, escape_markdown, table
+from drivora_service.markdown_text import (
+    Markdown,
+    code_span,
+    escape_markdown,
+    escape_prose,
+    table,
+)
+from tests.hostile_names import NAMES, acting_characters
 
 
 class _Cells(HTMLParser):
@@ -64,3 +73,21 @@ def test_line_breaks_of_a_text_do_not_end_its_line() -> None:
 
 def test_names_stay_legible() -> None:
     assert escape_markdown("tee-town_0001 of _a_ | b") == "tee-town_0001 of \\_a\\_ \\| b"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_prose_and_code_show_any_text_and_no_markup(name: str) -> None:
+    for line in (f"- {escape_prose(name)}", escape_prose(f"run `{name}` again"), code_span(name)):
+        page = MarkdownIt("commonmark").render(line)
+        assert set(re.findall(r"<(\w+)", page)) <= {"ul", "li", "p", "code"}
+        assert acting_characters(line) == []
+
+
+def test_commands_in_prose_stay_code() -> None:
+    line = escape_prose("give `drivora runs show <id>` *now*, a ` is one")
+    assert line == "give `drivora runs show <id>` \\*now\\*, a \\` is one"
+
+
+def test_code_may_have_backticks() -> None:
+    assert code_span("a ``b`` c`") == "``` a ``b`` c` ```"
+    assert code_span("") == "`  `"

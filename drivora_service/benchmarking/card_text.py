@@ -8,7 +8,7 @@ from drivora_service.agents.entry import AgentEntry
 from drivora_service.benchmarking.benchmark_run import BenchmarkRun
 from drivora_service.benchmarking.card import AgentCard, Figures
 from drivora_service.benchmarking.card_courses import COURSES, VERSION
-from drivora_service.markdown_text import Markdown, code_span, escape_markdown, table
+from drivora_service.markdown_text import Markdown, code_span, escape_markdown, escape_prose, table
 
 COLUMNS = (
     "runs",
@@ -102,7 +102,7 @@ def cards_markdown(cards: Sequence[AgentCard], absent: Sequence[AgentEntry], *, 
     lines += table(("agent", "view", *COLUMNS), rows)
     if absent:
         lines += ["", "Not run:", ""]
-        lines += [f"- {code_span(agent.name)}: {escape_markdown(agent.reason)}" for agent in absent]
+        lines += [f"- {code_span(agent.name)}: {escape_prose(agent.reason)}" for agent in absent]
     return "\n".join(lines) + "\n"
 
 

@@ -68,5 +68,5 @@ def test_the_shown_run_is_told_once_an_oracle() -> None:
     again = violation("collision", at_fault=False, message="hit npc_2")
     run = finished(1, HIT, violation("red_light", message="Ran a light."), again)
     page = card_markdown(card_of(AGENT, (run,)), runs=1, picture="made-up.svg")
-    assert "tee-town-01: hit | npc_1\nwith its front Ran a light.\n" in page
+    assert "tee-town-01: hit \\| npc_1 with its front Ran a light.\n" in page
     assert "npc_2" not in page

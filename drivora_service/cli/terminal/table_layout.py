@@ -63,10 +63,10 @@ def table_of(
 ) -> Table:
     """Returns a table of plain text: colors and line breaks in cells are removed."""
     return Table(
-        columns=tuple(columns),
+        columns=tuple(map(_visible_head, columns)),
         rows=tuple(tuple(_plain(cell) for cell in row) for row in rows),
-        wrap=frozenset(wrap),
-        cut=frozenset(cut),
+        wrap=frozenset(map(_visible_head, wrap)),
+        cut=frozenset(map(_visible_head, cut)),
         headings=tuple(map(_plain, headings)),
     )
 
@@ -212,6 +212,10 @@ def _lines(cells: Sequence[Sequence[str]], layout: _Layout, indent: str) -> list
         ]
         lines.append((indent + gap.join(padded)).rstrip())
     return lines
+
+
+def _visible_head(text: str) -> str:
+    return visible_text(text, has_lines=True)
 
 
 def _plain(text: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from drivora_service.markdown_text import code_span, escape_markdown, table
+from drivora_service.markdown_text import code_span, escape_markdown, escape_prose, table
 from drivora_service.studies.accountable_counts import COLUMNS, WORDS, accountable_rows
 from drivora_service.studies.campaign_figures import CampaignFigures
 from drivora_service.studies.comparison.campaign_comparison import Comparison
@@ -27,7 +27,7 @@ def comparison_markdown(comparison: Comparison, charts: Sequence[Path] = ()) -> 
     lines = [f"# Comparison with {escape_markdown(comparison.baseline)}", ""]
     lines += [escape_markdown(how_to_read(comparison)), ""]
     lines += [f"- {escape_markdown(line)}" for line in describe_setting(comparison)]
-    lines += [f"- Note: {escape_markdown(note)}" for note in comparison.notes]
+    lines += [f"- Note: {escape_prose(note)}" for note in comparison.notes]
     lines += ["", "## What the simulations came to", "", WORDS, ""]
     lines += table(COLUMNS, accountable_rows(comparison.campaigns))
     for by in measures_of(comparison):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from drivora_service.markdown_text import escape_markdown, table
+from drivora_service.markdown_text import escape_markdown, escape_prose, table
 from drivora_service.studies.accountable_counts import COLUMNS, WORDS, accountable_rows
 from drivora_service.studies.comparison.campaign_comparison_text import a12, probability, value
 from drivora_service.studies.comparison.campaign_measures import SIGNIFICANT, Difference
@@ -82,7 +82,7 @@ def study_markdown(comparison: StudyComparison, charts: Sequence[str] = ()) -> s
     """
     lines = [f"# {escape_markdown(comparison.name)}", ""]
     lines += [escape_markdown(how_to_read_study(comparison)), ""]
-    lines += [f"- {escape_markdown(remark)}" for remark in remarks(comparison)]
+    lines += [f"- {escape_prose(remark)}" for remark in remarks(comparison)]
     for by in By:
         rows = [row for row in comparison.overview if row.by is by]
         if rows:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from drivora_service.campaigns.document.campaign import FeedbackMode
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument
-from drivora_service.markdown_text import code_span, escape_markdown, table
+from drivora_service.markdown_text import code_span, escape_markdown, escape_prose, table
 from drivora_service.oracles.verdicts.accountability import IN_WORDS, accountability
 from drivora_service.oracles.verdicts.failure_facts import full_message
 from drivora_service.short_values import short_value
@@ -30,18 +30,18 @@ def report_markdown(
     """
     record = report.record
     lines = [f"# Campaign {escape_markdown(record.name)}", ""]
-    message = f": {escape_markdown(record.message)}" if record.message else ""
+    message = f": {escape_prose(record.message)}" if record.message else ""
     lines += [f"{code_span(record.id)}, {record.state}{message}"]
     if record.warnings:
         lines += ["", "## Warnings", ""]
         lines += [
-            f"- {escape_markdown(f'{one.message} {one.advice}')} See {code_span(one.page)}."
+            f"- {escape_prose(f'{one.message} {one.advice}')} See {code_span(one.page)}."
             for one in record.warnings
         ]
     lines += ["", "## Search", "", *table(("", ""), _make_search_rows(report))]
     lines += ["", "## Results", "", *table(("", ""), _outcome(report))]
     if report.note:
-        lines += ["", f"Coverage and times are not known: {escape_markdown(report.note)}"]
+        lines += ["", f"Coverage and times are not known: {escape_prose(report.note)}"]
     if report.seeds:
         lines += ["", "## Seed scenarios", "", *_by_seed(report)]
     lines += ["", "## Failures", "", *_failures(report)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drivora_service.markdown_text import code_span, escape_markdown, table
+from drivora_service.markdown_text import code_span, escape_markdown, escape_prose, table
 from drivora_service.oracles.verdicts.failure_definition import DefinitionOrigin
 from drivora_service.suites.paired.batch_comparison import (
     SIGNIFICANT,
@@ -32,7 +32,7 @@ def comparison_markdown(comparison: BatchComparison) -> str:
     lines = ["# Two batches on the same scenarios", "", escape_markdown(comparison.sentence), ""]
     lines += [f"- {name}: {escape_markdown(line)}" for name, line in sides(comparison)]
     lines += [f"- {escape_markdown(line)}" for line in describe_differences(comparison)]
-    lines += [f"- Note: {escape_markdown(note)}" for note in comparison.notes]
+    lines += [f"- Note: {escape_prose(note)}" for note in comparison.notes]
     lines += ["", "## Failures", "", escape_markdown(how_to_read_failures(comparison)), ""]
     lines += table(FAILURE_COLUMNS, map(failure_cells, failure_rows(comparison)))
     lines += ["", "## Metrics", "", how_to_read_metrics(), ""]
