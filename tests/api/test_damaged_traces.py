@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import os
+import random
 import shutil
 import time
 from collections.abc import Callable, Iterator
@@ -10,13 +13,17 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 from typer.testing import CliRunner
 
 from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.cli.main import app
+from drivora_service.observations.trace_files.trace_file import METADATA_KEY
 from tests.api.conftest import wait_until_final
 from tests.forked_service import forked_service
+from tests.hostile_names import acting_characters
 
 PARQUET = "application/vnd.apache.parquet"
 ARROW = "application/vnd.apache.arrow.stream"
@@ -88,7 +95,16 @@ def kept(recorded: Recorded, tmp_path: Path) -> Iterator[Recorded]:
         shutil.copy(recorded.file(number), tmp_path / str(number))
     yield recorded
     for number in (0, 1):
+        clear(recorded.file(number))
         shutil.copy(tmp_path / str(number), recorded.file(number))
+
+
+def clear(file: Path) -> None:
+    """Removes what there is at a place: a file, a folder, a link, a pipe."""
+    if file.is_dir() and not file.is_symlink():
+        shutil.rmtree(file)
+    else:
+        file.unlink(missing_ok=True)
 
 
 def flip(recorded: Recorded) -> None:
@@ -115,7 +131,74 @@ def delete(recorded: Recorded) -> None:
     recorded.file(0).unlink()
 
 
+def empty(recorded: Recorded) -> None:
+    recorded.file(0).write_bytes(b"")
+
+
+def overwrite(recorded: Recorded) -> None:
+    file = recorded.file(0)
+    file.write_bytes(random.Random(0).randbytes(file.stat().st_size))
+
+
+def write_text(recorded: Recorded) -> None:
+    recorded.file(0).write_text("<script>alert(1)</script>\x1b[2J" * 500)
+
+
+def write_other_table(recorded: Recorded) -> None:
+    pq.write_table(pa.table({"step": [1, 2, 3]}), recorded.file(0))
+
+
+def declare_many_steps(recorded: Recorded) -> None:
+    """The table is that of the run; its header asks for more memory than there is."""
+    table = pq.read_table(recorded.file(0))
+    header = json.loads(table.schema.metadata[METADATA_KEY])
+    header["steps"] = 10**13
+    metadata = {METADATA_KEY: json.dumps(header).encode()}
+    pq.write_table(table.replace_schema_metadata(metadata), recorded.file(0))
+
+
+def make_folder(recorded: Recorded) -> None:
+    recorded.file(0).unlink()
+    (recorded.file(0) / "inside").mkdir(parents=True)
+
+
+def make_pipe(recorded: Recorded) -> None:
+    recorded.file(0).unlink()
+    os.mkfifo(recorded.file(0))
+
+
+def link_outside(recorded: Recorded) -> None:
+    recorded.file(0).unlink()
+    recorded.file(0).symlink_to("/etc/passwd")
+
+
+def link_other(recorded: Recorded) -> None:
+    recorded.file(0).unlink()
+    recorded.file(0).symlink_to(recorded.file(1))
+
+
+def link_itself(recorded: Recorded) -> None:
+    recorded.file(0).unlink()
+    recorded.file(0).symlink_to(recorded.file(0).name)
+
+
+def link_nothing(recorded: Recorded) -> None:
+    recorded.file(0).unlink()
+    recorded.file(0).symlink_to(recorded.data / "gone.parquet")
+
+
 DAMAGES = (
+    pytest.param(empty, 409, {"trace_unreadable"}, id="empty"),
+    pytest.param(overwrite, 409, {"trace_unreadable"}, id="other-bytes"),
+    pytest.param(write_text, 409, {"trace_unreadable"}, id="text"),
+    pytest.param(write_other_table, 409, {"trace_unreadable"}, id="other-table"),
+    pytest.param(declare_many_steps, 409, {"trace_unreadable"}, id="many-steps"),
+    pytest.param(make_folder, 409, {"trace_unreadable"}, id="folder"),
+    pytest.param(make_pipe, 409, {"trace_unreadable"}, id="pipe"),
+    pytest.param(link_outside, 409, {"trace_unreadable"}, id="link-outside"),
+    pytest.param(link_other, 409, {"trace_differs"}, id="link-other"),
+    pytest.param(link_itself, 409, {"trace_unreadable"}, id="link-itself"),
+    pytest.param(link_nothing, 404, {"trace_missing"}, id="link-nothing"),
     pytest.param(flip, 409, {"trace_differs", "trace_unreadable"}, id="flipped"),
     pytest.param(exchange, 409, {"trace_differs"}, id="exchanged"),
     pytest.param(truncate, 409, {"trace_unreadable"}, id="truncated"),
@@ -145,7 +228,11 @@ def test_nothing_is_shown_of_a_damaged_trace(
     assert detail.startswith(f"run {run_id}: its trace file {run_id}.parquet ")
     assert sha256 in detail
     assert f"`drivora replay {run_id}`" in detail
-    assert ("The file was last written at 2" in detail) == (damage is not delete)
+    assert "Restore the file from a backup" in detail
+    assert "root:" not in detail, "nothing of a file outside is shown"
+    has_time = damage not in (delete, make_folder, make_pipe, link_itself, link_nothing)
+    assert ("The file was last written at " in detail) == has_time
+    assert acting_characters(detail) == []
     if damage is exchange:
         assert kept.runs[1]["trace_sha256"] in detail
         assert kept.ask(1, "timeline", "application/json").status_code == 409
@@ -156,6 +243,7 @@ def test_nothing_is_shown_of_a_damaged_trace(
     log = (kept.data / "service.log").read_text()
     assert "trace_damaged" in log
     assert str(kept.file(0)) in log
+    assert "Traceback" not in log
 
 
 @pytest.mark.parametrize(("damage", "status", "codes"), DAMAGES)

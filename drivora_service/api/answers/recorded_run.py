@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from http import HTTPStatus
 from typing import TYPE_CHECKING
+
+import structlog
 
 from drivora_service.api.answers.run_lookup import find_document, find_run
 from drivora_service.api.context import ApiContext
+from drivora_service.api.problem_details import ApiError
 from drivora_service.campaigns.search.confirmation import trace_name
 from drivora_service.errors import Conflict, UnknownName
-from drivora_service.observations.trace_files.stored_trace import StoredTrace, make_missing_error
+from drivora_service.observations.trace_files.stored_trace import (
+    StoredTrace,
+    find_file,
+    make_missing_error,
+)
 from drivora_service.store.campaigns.evaluation_runs import EvaluationId, evaluation_of_run
 from drivora_service.store.runs.run_records import RunRecord
 
 if TYPE_CHECKING:
     from drivora_service.observations.run_view import EgoView, RunView
     from drivora_service.scenario.model import Scenario
+
+
+_RETRY_S = "10"
+
+_log = structlog.stdlib.get_logger(__name__)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,6 +59,7 @@ def find_recorded_run(context: ApiContext, run_id: str) -> RecordedRun:
     Raises:
         UnknownName: There is no such run, or it recorded nothing, or its trace was removed.
         TraceDamaged: It recorded a trace, whose file is missing.
+        ApiError: The storage of traces does not answer (503).
     """
     evaluation = evaluation_of_run(run_id)
     with context.database.read() as transaction:
@@ -53,17 +69,35 @@ def find_recorded_run(context: ApiContext, run_id: str) -> RecordedRun:
         if evaluation is not None:
             hint += "; of the runs of a campaign, failures that were confirmed have a recording"
         raise UnknownName("trace", run_id, (), hint)
-    stored = StoredTrace(
-        run_id=record.id, path=context.trace_path(record.id), sha256=record.trace_sha256
-    )
-    if stored.path.is_file():
-        return RecordedRun(record=record, trace=stored)
-    if evaluation is not None:
-        folder = context.campaign_folder(evaluation.campaign_id)
-        stored = replace(stored, path=folder.trace(trace_name(evaluation.number)))
-        if stored.path.is_file():
-            return RecordedRun(record=record, trace=stored)
-    raise make_missing_error(stored)
+    with _storage_answers(record.id):
+        path = context.trace_path(record.id)
+        if evaluation is not None and find_file(path).is_missing:
+            folder = context.campaign_folder(evaluation.campaign_id)
+            path = folder.trace(trace_name(evaluation.number))
+    stored = StoredTrace(run_id=record.id, path=path, sha256=record.trace_sha256)
+    return _recorded(record, stored)
+
+
+def _recorded(record: RunRecord, stored: StoredTrace) -> RecordedRun:
+    # What else may be wrong with the file is found when it is read.
+    if find_file(stored.path).is_missing:
+        raise make_missing_error(stored)
+    return RecordedRun(record=record, trace=stored)
+
+
+@contextmanager
+def _storage_answers(run_id: str) -> Iterator[None]:
+    """Answers with 503 if the storage of traces does not answer."""
+    try:
+        yield
+    except OSError as error:
+        _log.warning("trace_storage_failed", run=run_id, error=str(error))
+        raise ApiError(
+            HTTPStatus.SERVICE_UNAVAILABLE,
+            f"run {run_id}: its trace cannot be fetched now: the storage of traces does not "
+            "answer; ask again later. The log of the service has its error",
+            headers={"Retry-After": _RETRY_S},
+        ) from error
 
 
 def find_recorded_evaluation(context: ApiContext, evaluation: EvaluationId) -> RecordedRun:
@@ -81,14 +115,9 @@ def find_recorded_evaluation(context: ApiContext, evaluation: EvaluationId) -> R
     if not record.trace_sha256:
         hint = "only failures that an identical second run confirmed have one"
         raise UnknownName("trace of evaluation", str(number), (), hint)
-    stored = StoredTrace(
-        run_id=record.id,
-        path=context.campaign_folder(evaluation.campaign_id).trace(trace_name(number)),
-        sha256=record.trace_sha256,
-    )
-    if not stored.path.is_file():
-        raise make_missing_error(stored)
-    return RecordedRun(record=record, trace=stored)
+    with _storage_answers(record.id):
+        path = context.campaign_folder(evaluation.campaign_id).trace(trace_name(number))
+    return _recorded(record, StoredTrace(run_id=record.id, path=path, sha256=record.trace_sha256))
 
 
 def view_of(context: ApiContext, run: RecordedRun) -> RunView:

@@ -16,6 +16,7 @@ from drivora_service.errors import StoreError
 from drivora_service.observations.trace import Trace
 from drivora_service.observations.trace_files.stored_trace import (
     StoredTrace,
+    find_file,
     make_damage_error,
     make_missing_error,
 )
@@ -113,12 +114,13 @@ def _read(stored: StoredTrace, state: _Known) -> Trace:
 
 
 def _state_of(stored: StoredTrace) -> _Known:
-    try:
-        found = stored.path.stat()
-    except FileNotFoundError as error:
-        raise make_missing_error(stored) from error
-    except OSError as error:
-        raise make_damage_error(stored, "trace_unreadable", f"cannot be read: {error}") from error
+    there = find_file(stored.path)
+    if there.is_missing:
+        raise make_missing_error(stored)
+    found = there.state
+    if found is None:
+        what = f"{there.fault}; a trace with the hash {stored.sha256} was recorded"
+        raise make_damage_error(stored, "trace_unreadable", what)
     return _Known(
         path=stored.path,
         inode=found.st_ino,

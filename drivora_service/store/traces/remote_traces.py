@@ -7,12 +7,7 @@ keeps the newest copies.
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import math
 import os
-import shutil
-import tempfile
-import threading
 from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
@@ -20,13 +15,11 @@ from typing import TYPE_CHECKING, Any
 
 from drivora_service.errors import ConfigurationError
 from drivora_service.observations.trace_files.trace_storage import is_of_objects
+from drivora_service.store.traces.trace_copies import TraceCopies
 from drivora_service.store.traces.trace_folders import later_attempts
 
 if TYPE_CHECKING:
     from fsspec import AbstractFileSystem
-
-MOST_COPIES = 1000
-"""Copies that are kept on this machine; one is some hundred kilobytes."""
 
 _MODIFIED = ("LastModified", "mtime", "last_modified", "modified", "created")
 """How file systems name the time at which a file was written."""
@@ -58,8 +51,7 @@ class Storage:
         self.url = url.rstrip("/")
         self._system: AbstractFileSystem = system
         self._root: str = root.rstrip("/")
-        self._copies = copies
-        self._copying = threading.Lock()
+        self._copies = TraceCopies(copies)
 
     def address(self, name: str) -> str:
         """Returns the address of a file, by its name below the folder."""
@@ -73,33 +65,40 @@ class Storage:
         Raises:
             OSError: The storage does not answer.
         """
-        try:
-            info = self._system.info(self._place(name))
-        except FileNotFoundError:
-            return self._copies / "none" / name.rpartition("/")[2]
+        with self._answers():
+            try:
+                info = self._system.info(self._place(name))
+            except FileNotFoundError:
+                return self._copies.place_of_none(name)
+        if info.get("type", "file") != "file":
+            return self._copies.place_of_none(name)
         version = repr(sorted(info.items(), key=str))
-        digest = hashlib.sha256(f"{name} {version}".encode()).hexdigest()
-        # It ends with the name of the file, which clients see.
-        path = self._copies / digest[:32] / name.rpartition("/")[2]
-        if path.is_file():
-            os.utime(path.parent)
-            return path
-        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        handle, part = tempfile.mkstemp(dir=path.parent, suffix=".part")
-        os.close(handle)
+
+        def fetch(part: str) -> None:
+            with self._answers():
+                self._system.get_file(self._place(name), part)
+
         try:
-            self._system.get_file(self._place(name), part)
-            written = _seconds(info)
-            if math.isfinite(written):
-                # Messages on a damaged trace say when it was written, not when it was copied.
-                os.utime(part, (written, written))
-            Path(part).replace(path)
+            return self._copies.get(
+                name, version, fetch, size=info.get("size"), written=_seconds(info)
+            )
         except FileNotFoundError:
-            return path
-        finally:
-            Path(part).unlink(missing_ok=True)
-        self._forget_oldest()
-        return path
+            return self._copies.place_of_none(name)
+
+    @contextlib.contextmanager
+    def _answers(self) -> Iterator[None]:
+        """Turns the errors of all storages into one kind; that a file is missing is none of them.
+
+        Raises:
+            OSError: The storage does not answer, or refuses.
+        """
+        try:
+            yield
+        except FileNotFoundError:
+            raise
+        except Exception as error:
+            # Each storage has errors of its own.
+            raise OSError(f"{self.url} does not answer: {error}") from error
 
     def has(self, name: str) -> bool:
         """Returns whether there is a file."""
@@ -180,15 +179,6 @@ class Storage:
 
     def _strip_url(self, address: str) -> str:
         return self._place(address.removeprefix(f"{self.url}/"))
-
-    def _forget_oldest(self) -> None:
-        with self._copying:
-            copies = [path for path in self._copies.iterdir() if path.is_dir()]
-            if len(copies) <= MOST_COPIES:
-                return
-            copies.sort(key=_last_use)
-            for path in copies[: len(copies) // 2]:
-                shutil.rmtree(path, ignore_errors=True)
 
 
 class RemoteTraceFolder:
@@ -271,13 +261,6 @@ class RemoteCampaignTraces:
     def take(self, run: str, address: str) -> None:
         """Copies the trace of a run within the storage."""
         self._storage.take(run, address)
-
-
-def _last_use(path: Path) -> float:
-    # Another server that shares the folder may have removed it.
-    with contextlib.suppress(FileNotFoundError):
-        return path.stat().st_mtime
-    return 0.0
 
 
 def _name(run_id: str, attempt: int = 1) -> str:

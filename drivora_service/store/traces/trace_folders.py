@@ -16,6 +16,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Protocol
 
+from drivora_service.observations.trace_files.stored_trace import find_file
+
 
 class RunTraces(Protocol):
     """All traces of runs."""
@@ -117,7 +119,8 @@ class TraceFolder:
         """Returns the path of the trace of an attempt, which may not exist."""
         file = self._file(run_id, attempt)
         # Earlier versions of Drivora, and backups, have one place for all attempts.
-        return file if attempt == 1 or file.is_file() else self._file(run_id, 1)
+        is_there = attempt == 1 or not find_file(file).is_missing
+        return file if is_there else self._file(run_id, 1)
 
     def modification_time(self, run_id: str) -> float:
         """Returns when the last trace of a run was written."""

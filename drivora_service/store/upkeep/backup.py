@@ -104,7 +104,7 @@ def back_up(
             try:
                 shutil.copyfile(path, copy_path)
                 copied += 1
-            except FileNotFoundError:
+            except (FileNotFoundError, IsADirectoryError, shutil.SpecialFileError):
                 missing.append(subject)
     except (OSError, sqlite3.Error) as error:
         raise StoreError(f"the backup to {target} failed: {error}") from error

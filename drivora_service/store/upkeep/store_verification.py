@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 from sqlalchemy import func, select, text
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import StoreError
+from drivora_service.observations.trace_files.stored_trace import find_file
 from drivora_service.runs.run_report import UNFINISHED, RunStatus
 from drivora_service.store.database import Database
 from drivora_service.store.runs.run_tables import BatchRow, ReportRow, RunRow
@@ -53,10 +55,10 @@ def verify(
         # Running runs may have a trace already.
         unfinished = set(session.scalars(select(RunRow.id).where(RunRow.status.in_(UNFINISHED))))
     for run_id, (attempt, sha256) in expected.items():
-        yield from _trace(run_id, traces.path(run_id, attempt), sha256, hash_trace)
+        yield from _trace(run_id, partial(traces.path, run_id, attempt), sha256, hash_trace)
     if campaign_traces is not None:
         for failure in expected_failures:
-            path = campaign_traces.path(failure.campaign_id, failure.name)
+            path = partial(campaign_traces.path, failure.campaign_id, failure.name)
             sha256 = failure.trace_sha256
             subject = f"{failure.campaign_id}/{failure.name}"
             yield from _trace(subject, path, sha256, hash_trace if sha256 else None)
@@ -110,10 +112,20 @@ def _counts(session: Session) -> Iterator[Finding]:
 
 
 def _trace(
-    subject: str, path: Path, sha256: str, hash_trace: Callable[[Path], str] | None
+    subject: str,
+    find_path: Callable[[], Path],
+    sha256: str,
+    hash_trace: Callable[[Path], str] | None,
 ) -> Iterator[Finding]:
-    if not path.is_file():
-        yield Finding(kind="missing_trace", subject=subject, message=f"{path} does not exist")
+    try:
+        path = find_path()
+    except OSError as error:
+        yield Finding(kind="damaged_trace", subject=subject, message=f"cannot be fetched: {error}")
+        return
+    there = find_file(path)
+    if there.fault:
+        kind = "missing_trace" if there.is_missing else "damaged_trace"
+        yield Finding(kind=kind, subject=subject, message=f"{path} {there.fault}")
         return
     if hash_trace is None:
         return

@@ -230,12 +230,12 @@ class Work:
         run_id = report.run_id
         if not run_id.endswith(Purpose.OBSERVE):
             return None
-        stored = StoredTrace(
-            run_id=run_id, path=self._trace_path(run_id), sha256=report.trace_sha256
-        )
         try:
+            path = self._trace_path(run_id)
+            stored = StoredTrace(run_id=run_id, path=path, sha256=report.trace_sha256)
             return recording_of(read_checked_trace(stored))
-        except TraceDamaged:
+        except (TraceDamaged, OSError):
+            # An OSError is of a storage that does not answer.
             return None
 
     def _size_of(self, state: State) -> ScenarioSize:

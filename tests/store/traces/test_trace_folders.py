@@ -18,7 +18,7 @@ from drivora_service.errors import ConfigurationError, StoreError
 from drivora_service.observations.trace_files.trace_file import read_trace
 from drivora_service.observations.trace_files.trace_hash import trace_sha256
 from drivora_service.observations.trace_files.trace_storage import remove_stored, store_trace
-from drivora_service.store.traces import remote_traces
+from drivora_service.store.traces import trace_copies
 from drivora_service.store.traces.trace_folders import run_ids
 from drivora_service.store.traces.trace_places import TracePlaces
 from drivora_service.testing.traces import Motion, SyntheticEgo, make_trace
@@ -244,7 +244,7 @@ def test_unknown_storages_are_refused(tmp_path: Path) -> None:
 
 
 def test_only_the_newest_copies_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(remote_traces, "MOST_COPIES", 4)
+    monkeypatch.setattr(trace_copies, "MOST_COPIES", 4)
     copies = tmp_path / "copies"
     places = TracePlaces(
         runs=tmp_path, campaigns=tmp_path, url=f"file://{tmp_path / 'remote'}", copies=copies
