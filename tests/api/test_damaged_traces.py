@@ -42,7 +42,7 @@ ANSWERS = (
     ("picture", "image/svg+xml"),
 )
 """All that is computed from the trace of a run."""
-_REMEMBERED_S = 0.6
+REMEMBERED_S = 0.6
 """After which no answer is given again from memory."""
 
 
@@ -211,7 +211,7 @@ def test_nothing_is_shown_of_a_damaged_trace(
     kept: Recorded, damage: Callable[[Recorded], None], status: int, codes: set[str]
 ) -> None:
     run_id, sha256 = kept.runs[0]["id"], kept.runs[0]["trace_sha256"]
-    time.sleep(_REMEMBERED_S)
+    time.sleep(REMEMBERED_S)
     damage(kept)
     said = set()
     for what, form in ANSWERS:
@@ -253,7 +253,7 @@ def test_damage_is_found_after_the_trace_was_checked(
     for what, form in ANSWERS[:6]:
         assert kept.ask(0, what, form).status_code == 200
     damage(kept)
-    time.sleep(_REMEMBERED_S)
+    time.sleep(REMEMBERED_S)
     for what, form in ANSWERS[:6]:
         assert kept.ask(0, what, form).status_code == status
 

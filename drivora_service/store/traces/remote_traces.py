@@ -124,8 +124,12 @@ class Storage:
         return size
 
     def names(self, folder: str) -> tuple[str, ...]:
-        """Returns the names of what is in a folder; none if there is none."""
-        with contextlib.suppress(FileNotFoundError):
+        """Returns the names of what is in a folder; none if there is none.
+
+        Raises:
+            OSError: The storage does not answer.
+        """
+        with contextlib.suppress(FileNotFoundError), self._answers():
             found = self._system.ls(self._place(folder), detail=False, refresh=True)
             return tuple(sorted(one.rstrip("/").rpartition("/")[2] for one in found))
         return ()

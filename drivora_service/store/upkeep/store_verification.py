@@ -62,13 +62,17 @@ def verify(
             sha256 = failure.trace_sha256
             subject = f"{failure.campaign_id}/{failure.name}"
             yield from _trace(subject, path, sha256, hash_trace if sha256 else None)
-    for run_id in run_ids(traces):
-        if run_id not in expected and run_id not in unfinished:
-            yield Finding(
-                kind="trace_without_run",
-                subject=traces.address(run_id),
-                message="no judged run has this trace; `drivora store prune` removes it",
-            )
+    try:
+        for run_id in run_ids(traces):
+            if run_id not in expected and run_id not in unfinished:
+                yield Finding(
+                    kind="trace_without_run",
+                    subject=traces.address(run_id),
+                    message="no judged run has this trace; `drivora store prune` removes it",
+                )
+    except OSError as error:
+        message = f"the traces cannot be listed: {error}"
+        yield Finding(kind="damaged_trace", subject=traces.place, message=message)
 
 
 def _damage(session: Session) -> Iterator[Finding]:

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+import contextlib
 import os
 import pickle
 import shutil
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -147,3 +149,73 @@ def test_the_error_reaches_other_processes_whole() -> None:
     error = pickle.loads(pickle.dumps(TraceDamaged("text", code="trace_missing", file="a")))
     assert isinstance(error, TraceDamaged)
     assert (str(error), error.code, error.file) == ("text", "trace_missing", "a")
+
+
+def make_folder(path: Path) -> None:
+    path.unlink()
+    path.mkdir()
+
+
+def make_pipe(path: Path) -> None:
+    path.unlink()
+    os.mkfifo(path)
+
+
+def link_itself(path: Path) -> None:
+    path.unlink()
+    path.symlink_to(path)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (make_folder, "it is a folder, not a file"),
+        (make_pipe, "it is a pipe, a socket or a device, not a file"),
+        (link_itself, "Too many levels of symbolic links"),
+    ],
+)
+def test_what_is_no_file_is_said(
+    stored: StoredTrace, change: Callable[[Path], None], told: str
+) -> None:
+    change(stored.path)
+    error = damage(stored)
+    assert error.code == "trace_unreadable"
+    assert f"01ab.parquet cannot be read: {told}; a trace with the hash" in str(error)
+
+
+@contextlib.contextmanager
+def as_another_user() -> Iterator[None]:
+    """Gives this process the rights of a user that owns nothing, if it is that of root."""
+    if os.geteuid() == 0:
+        os.seteuid(65534)
+        try:
+            yield
+        finally:
+            os.seteuid(0)
+    else:
+        yield
+
+
+@pytest.mark.parametrize("which", ["file", "folder"])
+def test_a_file_without_rights_is_not_missing(stored: StoredTrace, which: str) -> None:
+    for folder in (stored.path.parent, stored.path.parent.parent):
+        folder.chmod(0o755)
+    closed = stored.path if which == "file" else stored.path.parent
+    closed.chmod(0)
+    try:
+        with as_another_user():
+            error = damage(stored)
+    finally:
+        closed.chmod(0o755)
+    assert error.code == "trace_unreadable"
+    assert "Permission denied" in str(error)
+
+
+def test_a_link_to_the_right_trace_is_read(stored: StoredTrace, tmp_path: Path) -> None:
+    """Operators move traces to another disk, and leave a link."""
+    moved = tmp_path / "moved"
+    shutil.move(stored.path, moved)
+    stored.path.symlink_to(moved)
+    check_trace(stored)
+    moved.write_bytes(b"")
+    assert damage(stored).code == "trace_unreadable"
