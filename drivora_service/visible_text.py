@@ -11,8 +11,8 @@ import json
 import re
 import unicodedata
 
-_CLASSES = (
-    "\u0000-\u001f\u007f-\u009f"  # C0, DEL, C1: move cursors, ring, begin escape sequences.
+_OTHERS = (
+    "\u007f-\u009f"  # DEL and C1: begin escape sequences as well.
     "\u2028\u2029"  # Line and paragraph separator.
     "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # Directions: text is read in another order.
     # Without any width, so that different names look equal. The joiners U+200C and U+200D are
@@ -20,8 +20,9 @@ _CLASSES = (
     "\u00ad\u200b\u2060-\u2064\u206a-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e007f"
     "\ud800-\udfff"  # Halves of characters, which no encoding can write.
 )
-_ACTING = re.compile(f"[{_CLASSES}]")
-_ACTING_BESIDE_LINES = re.compile(f"(?![\n\t])[{_CLASSES}]")
+# C0 moves cursors, rings, begins escape sequences; line feeds and tabs are wanted in some texts.
+_ACTING = re.compile(f"[\u0000-\u001f{_OTHERS}]")
+_ACTING_BESIDE_LINES = re.compile(f"[\u0000-\u0008\u000b-\u001f{_OTHERS}]")
 _CONTROL_NAMES = {
     "\a": "bell",
     "\b": "backspace",
@@ -44,6 +45,9 @@ def visible_text(text: str, *, has_lines: bool = False) -> str:
         text: Any text.
         has_lines: Whether it may have several lines: line feeds and tabs then stay.
     """
+    if text.isprintable():
+        # Nothing that acts is; most texts of large tables are returned here.
+        return text
     acting = _ACTING_BESIDE_LINES if has_lines else _ACTING
     if has_lines:
         # Lines of other systems, which would otherwise end with a visible carriage return.
