@@ -35,7 +35,7 @@ def configure_logs(
     renderer: structlog.typing.Processor
     if form == "json":
         renderer = structlog.processors.JSONRenderer()
-        last = [structlog.processors.format_exc_info]
+        last: list[structlog.typing.Processor] = [structlog.processors.format_exc_info]
     else:
         wanted = sys.stderr.isatty() if colors is None else colors
         # The default also prints the values of variables, tokens among them.
