@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from drivora_service.errors import Problem
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.search.aims import Guidance
 from drivora_service.search.components import Components, Mutation, Selection
 from drivora_service.search.tester import Tester, TesterContext
 
 P = TypeVar("P")
+
+
+def _find_nothing(_parameters: object, _budget: int) -> tuple[Problem, ...]:
+    return ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,6 +40,9 @@ class TesterPlugin(Generic[P]):
         guidance: Which objectives a campaign may choose in place of its feedback's. A tester that
             can be directed reads ``TesterContext.aims``, or its one objective by
             ``TesterContext.objective``.
+        check: Returns what is wrong with parameters that are valid one by one, given the number of
+            simulations of each seed scenario; pointers begin at the parameters: ``/islands``. The
+            bound of a single field is declared, see ``budget_bounds.within_budget``.
     """
 
     name: str
@@ -49,6 +57,7 @@ class TesterPlugin(Generic[P]):
     compares_paths: bool = False
     packages: tuple[str, ...] = ()
     guidance: Guidance = Guidance.OWN
+    check: Callable[[P, int], Iterable[Problem]] = _find_nothing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

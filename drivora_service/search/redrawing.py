@@ -19,6 +19,8 @@ from drivora_service.search.tester import Evaluation, TesterContext
 
 ATTEMPTS = 20
 """Default number of mutants that are drawn again for one candidate at most."""
+MOST_ATTEMPTS = 1000
+"""Greatest number that a campaign may choose: each is decoded, which takes about a millisecond."""
 
 
 def without_effect(evaluation: Evaluation) -> BoolArray:

@@ -14,6 +14,7 @@ from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument, campaign_text
 from drivora_service.campaigns.document.campaign_reading import (
     ValidCampaign,
+    budget_of_seed,
     check_agent,
     check_oracles,
     check_scenario,
@@ -133,10 +134,11 @@ def _problems_of_parts(catalogues: Catalogues, content: Mapping[str, Any]) -> It
             for problem in check_agent(agent, catalogues.agents):
                 inside = problem.pointer.removeprefix("/agent")
                 yield replace(problem, pointer=f"/agents/{place}{inside}")
+    budget = budget_of_seed(content)
     for place, item in _items(content, "methods"):
         with contextlib.suppress(ValidationError):
             method = StudyMethodDocument.model_validate(item)
-            for problem in check_tester(method, catalogues.testers):
+            for problem in check_tester(method, catalogues.testers, budget):
                 inside = problem.pointer.removeprefix("/tester")
                 yield replace(problem, pointer=f"/methods/{place}{inside}")
     names = [name for _, name in _items(content, "oracles")]

@@ -24,8 +24,10 @@ from drivora_service.feedback.catalogue import FeedbackCatalogue
 from drivora_service.feedback.measurement import Measurement
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.oracles.verdict import Outcome, Verdict
+from drivora_service.parameters import describe_parameters
 from drivora_service.runs.adversary import AdversarySource
 from drivora_service.search.aims import Aim, Guidance
+from drivora_service.search.budget_bounds import problems_of_tester
 from drivora_service.search.components import Components
 from drivora_service.search.genes import GeneSpace
 from drivora_service.search.plugin import TesterPlugin
@@ -286,6 +288,23 @@ class TesterContract:
             assert same.all() or (proposal.reference is not None and same.any())
         assert all(parent < one.number for one in told for parent in one.proposal.parents)
         assert [_key(one.proposal) for one in told] == [_key(one.proposal) for one in start()]
+
+    def test_its_integer_parameters_are_bounded(self) -> None:
+        unbounded = [
+            one.name
+            for one in describe_parameters(self.plugin.parameters)
+            for schema in (one.schema, *one.schema.get("anyOf", ()))
+            if schema.get("type") == "integer" and not {"maximum", "exclusiveMaximum"} & set(schema)
+        ]
+        assert not unbounded, (
+            f"without an upper bound a small request can take all memory: {unbounded}; declare "
+            "`Annotated[int, within_budget(1)]` for candidates to be simulated, else "
+            "`Annotated[int, Field(ge=1, le=1000)]`"
+        )
+
+    def test_its_defaults_are_allowed_with_any_budget(self) -> None:
+        for budget in (1, 10**6):
+            assert list(problems_of_tester(self.plugin, {}, budget)) == []
 
     def test_a_wrong_order_is_refused(self) -> None:
         tester = self.create()

@@ -75,6 +75,10 @@ def _method_parameter(content: dict[str, Any]) -> None:
     content["methods"][1]["parameters"] = {"population": 0}
 
 
+def _beyond_budget(content: dict[str, Any]) -> None:
+    content["methods"][1]["parameters"] = {"population": 5000}
+
+
 def _unknown_agent(content: dict[str, Any]) -> None:
     content["agents"][1]["name"] = "idm-mobile"
 
@@ -113,6 +117,7 @@ def _no_place(content: dict[str, Any]) -> None:
     [
         (_unknown_method, "/methods/1/name"),
         (_method_parameter, "/methods/1/parameters/population"),
+        (_beyond_budget, "/methods/1/parameters/population"),
         (_unknown_agent, "/agents/1/name"),
         (_unknown_town, "/scenarios/1/document/map_region/town"),
         (_unknown_oracle, "/oracles/0"),

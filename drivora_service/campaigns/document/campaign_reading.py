@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from dataclasses import fields as dataclass_fields
@@ -16,6 +17,7 @@ from drivora_service.campaigns.document.campaign import Campaign
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.campaign_documents import (
     MAX_SEEDS,
+    BudgetDocument,
     CampaignDocument,
     SpaceDocument,
     TesterDocument,
@@ -52,6 +54,7 @@ from drivora_service.scenario.entities import AgentDocument
 from drivora_service.scenario.model import Scenario
 from drivora_service.scenario.plain_data import MAX_PROBLEMS, plain_data
 from drivora_service.scenario.validation import ValidScenario, validate_data
+from drivora_service.search.budget_bounds import problems_of_tester
 from drivora_service.search.candidate_space import OwnSpace
 from drivora_service.search.catalogue import (
     TesterCatalogue,
@@ -174,7 +177,8 @@ def read_campaign(
         data: Text, or its parsed content.
         catalogues: Catalogues for the names.
         format: Language of the text; YAML without aliases and tags.
-        is_stored: Whether it was read before, maybe by a version that accepted other names.
+        is_stored: Whether it was accepted before, maybe by a version that accepted other names, and
+            did not compare the parameters of testers with the budget.
 
     Raises:
         InvalidDocument: The document has problems; all are listed, in document order.
@@ -192,7 +196,8 @@ def read_campaign(
         *(problem for problem in structural if problem.pointer not in known),
     ]
     if tester is not None:
-        problems += check_tester(tester, catalogues.testers)
+        budget = None if is_stored else budget_of_seed(content)
+        problems += check_tester(tester, catalogues.testers, budget)
         problems += _check_laws(tester, catalogues)
     if agent is not None:
         problems += check_agent(agent, catalogues.agents)
@@ -377,8 +382,16 @@ def _part(model: type[M], content: Mapping[str, Any], key: str) -> M | None:
         return None
 
 
-def check_tester(tester: TesterDocument, catalogue: TesterCatalogue) -> Iterator[Problem]:
-    """Yields what is wrong with the tester of a campaign, at its places in the campaign."""
+def check_tester(
+    tester: TesterDocument, catalogue: TesterCatalogue, budget: int | None = None
+) -> Iterator[Problem]:
+    """Yields what is wrong with the tester of a campaign, at its places in the campaign.
+
+    Args:
+        tester: The tester.
+        catalogue: Testers by name.
+        budget: Simulations of each seed scenario; ``None``: parameters are not compared with it.
+    """
     try:
         plugin = catalogue.plugin(tester.name)
     except UnknownName as error:
@@ -386,8 +399,7 @@ def check_tester(tester: TesterDocument, catalogue: TesterCatalogue) -> Iterator
     except SearchError as error:
         yield Problem(pointer="/tester/name", code="plugin", message=str(error))
     else:
-        of = f"tester {tester.name!r}"
-        for problem in parameter_problems(plugin.parameters, tester.parameters, of=of):
+        for problem in problems_of_tester(plugin, tester.parameters, budget):
             yield replace(problem, pointer=f"/tester/parameters{problem.pointer}")
     for kind, name, table in (
         ("mutation", tester.mutation, mutation_plugins()),
@@ -401,6 +413,15 @@ def check_tester(tester: TesterDocument, catalogue: TesterCatalogue) -> Iterator
             yield _unknown(f"/tester/{kind}", error, "")
         except SearchError as error:
             yield Problem(pointer=f"/tester/{kind}", code="plugin", message=str(error))
+
+
+def budget_of_seed(content: Mapping[str, Any]) -> int | None:
+    """Returns the simulations of each seed scenario; ``None`` if the budget is not valid."""
+    budget = _part(BudgetDocument, content, "budget")
+    # Those of a study are scenarios of its campaigns, each of which has the whole budget.
+    several = content.get("scenarios") if "tester" in content else None
+    seeds = len(several) if isinstance(several, list | tuple) else 1
+    return None if budget is None else math.ceil(budget.simulations / max(seeds, 1))
 
 
 def _find_plugin(name: str, testers: TesterCatalogue) -> TesterPlugin[Any] | None:

@@ -87,6 +87,16 @@ WRONG: dict[str, tuple[Change, str, str]] = {
         "/tester/parameters/population",
         "no parameter 'population'",
     ),
+    "a tester's parameter beyond the budget": (
+        put("tester", value={"name": "avfuzzer", "parameters": {"population": 5000}}),
+        "/tester/parameters/population",
+        "population is 5000; allowed: an integer from 2 to ",
+    ),
+    "a tester's parameter beyond all budgets": (
+        put("tester", value={"name": "samota", "parameters": {"initial": 10**9}}),
+        "/tester/parameters/initial",
+        "initial is 1000000000; allowed: an integer from 1 to 10000",
+    ),
     "unknown mutation": (put("tester", "mutation", value="gauss"), "/tester/mutation", "nown:"),
     "unknown selection": (put("tester", "selection", value="best"), "/tester/selection", "nown:"),
     "unknown preset": (
@@ -462,3 +472,25 @@ def test_a_search_by_laws_depends_on_the_users_files(
     assert "laws/own.yaml" in read_campaign(content, own).versions
     changed = Catalogues(catalogues.networks, laws=(source_of("speed < 4"),))
     assert read_campaign(content, own).versions != read_campaign(content, changed).versions
+
+
+def test_a_stored_campaign_is_not_compared_with_its_budget(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    content["tester"] = {"name": "avfuzzer", "parameters": {"population": 5000}}
+    with pytest.raises(InvalidDocument, match="population is 5000"):
+        read_campaign(content, catalogues)
+    stored = read_campaign(content, catalogues, is_stored=True)
+    assert stored.campaign.tester.parameters == {"population": 5000}
+
+
+def test_several_seed_scenarios_share_the_budget(
+    content: dict[str, Any], catalogues: Catalogues
+) -> None:
+    budget = content["budget"]["simulations"] = 40
+    content["tester"] = {"name": "avfuzzer", "parameters": {"population": budget // 2 + 1}}
+    assert read_campaign(content, catalogues).campaign.budget == budget
+    one = content.pop("scenario")
+    content["scenarios"] = [{"name": name, "scenario": one} for name in ("a", "b")]
+    with pytest.raises(InvalidDocument, match="the budget is 20 simulations for a seed scenario"):
+        read_campaign(content, catalogues)

@@ -21,11 +21,12 @@ from drivora_service.feedback.avfuzzer import SAFETY_MARGIN
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.aims import Guidance
+from drivora_service.search.budget_bounds import MANY, MOST_CANDIDATES, within_budget
 from drivora_service.search.components import Components
 from drivora_service.search.distance import farthest
 from drivora_service.search.mutation import RedrawSlice
 from drivora_service.search.plugin import TesterPlugin
-from drivora_service.search.redrawing import ATTEMPTS, Redrawing
+from drivora_service.search.redrawing import ATTEMPTS, MOST_ATTEMPTS, Redrawing
 from drivora_service.search.selection import Roulette
 from drivora_service.search.tester import Evaluation, Proposal, TesterContext
 from drivora_service.search.testers.avfuzzer.breeding import (
@@ -65,16 +66,16 @@ class AvfuzzerParameters:
             not change the run of any ego (ours; paper and code: 0).
     """
 
-    population: Annotated[int, Field(ge=2)] = 4
+    population: Annotated[int, within_budget(2)] = 4
     crossover_rate: Annotated[float, Field(ge=0.0, le=1.0)] = 0.4
     mutation_rate: Annotated[float, Field(ge=0.0, le=1.0)] = 0.4
-    stall: Annotated[int, Field(ge=1)] = 5
-    restart_candidates: Annotated[int, Field(ge=1)] = 1000
-    local_after: Annotated[int, Field(ge=0)] = 2
-    local_generations: Annotated[int, Field(ge=0)] = 5
+    stall: Annotated[int, Field(ge=1, le=MANY)] = 5
+    restart_candidates: Annotated[int, Field(ge=1, le=MOST_CANDIDATES)] = 1000
+    local_after: Annotated[int, Field(ge=0, le=MANY)] = 2
+    local_generations: Annotated[int, Field(ge=0, le=MANY)] = 5
     local_factor: Annotated[float, Field(ge=0.0)] = 1.5
     local_mutates_all: bool = True
-    redraws: Annotated[int, Field(ge=0)] = ATTEMPTS
+    redraws: Annotated[int, Field(ge=0, le=MOST_ATTEMPTS)] = ATTEMPTS
 
 
 class AvfuzzerSearch:

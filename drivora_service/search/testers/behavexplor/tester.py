@@ -21,9 +21,10 @@ from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.oracles.verdict import Outcome, Verdict
 from drivora_service.search.aims import Aim, Guidance
+from drivora_service.search.budget_bounds import within_budget
 from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin
-from drivora_service.search.redrawing import ATTEMPTS, Redrawing, without_effect
+from drivora_service.search.redrawing import ATTEMPTS, MOST_ATTEMPTS, Redrawing, without_effect
 from drivora_service.search.tester import Evaluation, Proposal, TesterContext
 from drivora_service.search.testers.behavexplor.behaviour_model import BehaviourModel
 from drivora_service.search.testers.behavexplor.energy import (
@@ -77,10 +78,10 @@ class BehavexplorParameters:
             not change the run of any ego (ours; paper and code: 0).
     """
 
-    initial: Annotated[int, Field(ge=1)] = 4
+    initial: Annotated[int, within_budget(1)] = 4
     novelty: Annotated[float, Field(ge=0.0, le=1.0)] = 0.4
-    fewest_clusters: Annotated[int, Field(ge=2)] = 10
-    most_clusters: Annotated[int, Field(ge=2)] = 20
+    fewest_clusters: Annotated[int, Field(ge=2, le=1000)] = 10
+    most_clusters: Annotated[int, Field(ge=2, le=1000)] = 20
     noise_energy: Annotated[float, Field(ge=0.0)] = 0.5
     probability: Annotated[float, Field(gt=0.0, le=1.0)] = 0.5
     along_sigma: Annotated[float, Field(gt=0.0)] = 12.0
@@ -89,7 +90,7 @@ class BehavexplorParameters:
     redraw_cost: Annotated[float, Field(ge=0.0)] = 0.1
     failures: Failures = Failures.EVERY
     breed_failures: bool = False
-    redraws: Annotated[int, Field(ge=0)] = ATTEMPTS
+    redraws: Annotated[int, Field(ge=0, le=MOST_ATTEMPTS)] = ATTEMPTS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -23,6 +23,7 @@ from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import BoolArray, FloatArray
 from drivora_service.runs.candidate import Reference
 from drivora_service.search.aims import Guidance
+from drivora_service.search.budget_bounds import within_budget
 from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.selection import Roulette
@@ -57,13 +58,13 @@ class DecictorParameters:
             arrive, where the space varies more than actors that may be absent.
     """
 
-    population: Annotated[int, Field(ge=1)] = 4
+    population: Annotated[int, within_budget(1)] = 4
     static_rate: Share = 0.5
-    most_added: Annotated[int, Field(ge=1)] = 4
+    most_added: Annotated[int, Field(ge=1, le=1000)] = 4
     removed_share: Share = 0.2
     change_rate: Share = 0.5
     sigma: Annotated[float, Field(gt=0.0)] = 0.05
-    reference_tries: Annotated[int, Field(ge=0)] = 10
+    reference_tries: Annotated[int, within_budget(0)] = 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

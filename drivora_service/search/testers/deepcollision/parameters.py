@@ -8,6 +8,8 @@ from typing import Annotated
 
 from pydantic import Field
 
+from drivora_service.search.budget_bounds import MANY
+
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
@@ -46,12 +48,12 @@ class DeepcollisionParameters:
     interval: Annotated[float, Field(ge=1.0, le=60.0)] = 6.0
     hidden: Annotated[int, Field(ge=1, le=1000)] = 200
     learning_rate: Annotated[float, Field(gt=0.0)] = 0.01
-    batch: Annotated[int, Field(ge=1)] = 32
-    replay: Annotated[int, Field(ge=1)] = 2000
-    learning_starts: Annotated[int, Field(ge=1)] = 2000
+    batch: Annotated[int, Field(ge=1, le=10_000)] = 32
+    replay: Annotated[int, Field(ge=1, le=MANY)] = 2000
+    learning_starts: Annotated[int, Field(ge=1, le=MANY)] = 2000
     discount: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.9
-    target_update: Annotated[int, Field(ge=1)] = 100
+    target_update: Annotated[int, Field(ge=1, le=MANY)] = 100
     first_exploration: Share = 1.0
     last_exploration: Share = 0.1
-    exploration_steps: Annotated[int, Field(ge=1)] = 6000
-    checkpoint_every: Annotated[int, Field(ge=0)] = 50
+    exploration_steps: Annotated[int, Field(ge=1, le=100 * MANY)] = 6000
+    checkpoint_every: Annotated[int, Field(ge=0, le=MANY)] = 50

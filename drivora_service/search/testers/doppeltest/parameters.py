@@ -7,7 +7,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from drivora_service.search.redrawing import ATTEMPTS
+from drivora_service.search.budget_bounds import within_budget
+from drivora_service.search.redrawing import ATTEMPTS, MOST_ATTEMPTS
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
@@ -30,8 +31,8 @@ class DoppelTestParameters:
             not change the run of any ego (ours; paper and code: 0).
     """
 
-    population: Annotated[int, Field(ge=2)] = 10
-    offspring: Annotated[int, Field(ge=1)] = 10
+    population: Annotated[int, within_budget(2)] = 10
+    offspring: Annotated[int, within_budget(1)] = 10
     crossover: Share = 0.8
     cross_egos: Share = 0.6
     cross_walkers: Share = 0.2
@@ -39,4 +40,4 @@ class DoppelTestParameters:
     add_ego: Share = 0.3
     remove_walker: Share = 0.2
     add_walker: Share = 0.2
-    redraws: Annotated[int, Field(ge=0)] = ATTEMPTS
+    redraws: Annotated[int, Field(ge=0, le=MOST_ATTEMPTS)] = ATTEMPTS

@@ -20,6 +20,7 @@ from drivora_service.feedback.drivefuzz import QUALITY
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.aims import Guidance
+from drivora_service.search.budget_bounds import MANY, within_budget
 from drivora_service.search.components import Components
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.selection import Truncation
@@ -42,13 +43,13 @@ class DrivefuzzParameters:
         tries: Number of draws of an actor until it appears within these distances (ours).
     """
 
-    cycles: Annotated[int, Field(ge=1)] = 10
-    mutants: Annotated[int, Field(ge=1)] = 8
+    cycles: Annotated[int, Field(ge=1, le=MANY)] = 10
+    mutants: Annotated[int, within_budget(1)] = 8
     nearest: Annotated[float, Field(ge=0.0)] = 5.0
     farthest: Annotated[float, Field(gt=0.0)] = 40.0
     patch_chance: Annotated[float, Field(ge=0.0, le=1.0)] = 0.25
     weather_chance: Annotated[float, Field(ge=0.0, le=1.0)] = 0.25
-    tries: Annotated[int, Field(ge=1)] = 50
+    tries: Annotated[int, Field(ge=1, le=10_000)] = 50
 
 
 class DrivefuzzSearch:

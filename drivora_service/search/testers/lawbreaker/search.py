@@ -19,6 +19,7 @@ from drivora_service.errors import SearchError
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.geometry.array_shapes import FloatArray
 from drivora_service.search.aims import Guidance
+from drivora_service.search.budget_bounds import MANY, MOST_CANDIDATES, within_budget
 from drivora_service.search.components import Components
 from drivora_service.search.crossover import one_point
 from drivora_service.search.mutation import GaussianMutation
@@ -47,11 +48,11 @@ class LawbreakerParameters:
     """
 
     laws: tuple[str, ...] = ()
-    population: Annotated[int, Field(ge=2)] = 20
-    generations: Annotated[int, Field(ge=1)] = 20
+    population: Annotated[int, within_budget(2)] = 20
+    generations: Annotated[int, Field(ge=1, le=MANY)] = 20
     crossover_rate: Annotated[float, Field(ge=0.0, le=1.0)] = 0.8
     mutation_rate: Annotated[float, Field(ge=0.0, le=1.0)] = 0.8
-    tournament: Annotated[int, Field(ge=1)] = 2
+    tournament: Annotated[int, Field(ge=1, le=MOST_CANDIDATES)] = 2
 
 
 class LawbreakerSearch:

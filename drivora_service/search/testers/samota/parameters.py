@@ -7,6 +7,8 @@ from typing import Annotated
 
 from pydantic import Field
 
+from drivora_service.search.budget_bounds import MANY, within_budget
+
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
@@ -39,19 +41,19 @@ class SamotaParameters:
         local_population: Number of candidates of that search.
     """
 
-    initial: Annotated[int, Field(ge=1)] = 30
-    pool: Annotated[int, Field(ge=1)] = 10
+    initial: Annotated[int, within_budget(1)] = 30
+    pool: Annotated[int, Field(ge=1, le=1000)] = 10
     threshold: float = 0.0
-    population: Annotated[int, Field(ge=4)] = 50
-    generations: Annotated[int, Field(ge=1)] = 20
+    population: Annotated[int, Field(ge=4, le=1000)] = 50
+    generations: Annotated[int, Field(ge=1, le=1000)] = 20
     seeded: Share = 0.5
     crossover: Share = 0.75
-    tournament: Annotated[int, Field(ge=1)] = 10
+    tournament: Annotated[int, Field(ge=1, le=1000)] = 10
     step: Annotated[float, Field(ge=0.0)] = 0.1
-    training: Annotated[int, Field(ge=20)] = 200
-    folds: Annotated[int, Field(ge=2)] = 3
-    components: Annotated[int, Field(ge=1)] = 4
+    training: Annotated[int, Field(ge=20, le=2000)] = 200
+    folds: Annotated[int, Field(ge=2, le=100)] = 3
+    components: Annotated[int, Field(ge=1, le=100)] = 4
     top: Share = 0.2
-    cluster: Annotated[int, Field(ge=2)] = 5
-    local_generations: Annotated[int, Field(ge=1)] = 20
-    local_population: Annotated[int, Field(ge=4)] = 20
+    cluster: Annotated[int, Field(ge=2, le=MANY)] = 5
+    local_generations: Annotated[int, Field(ge=1, le=1000)] = 20
+    local_population: Annotated[int, Field(ge=4, le=1000)] = 20

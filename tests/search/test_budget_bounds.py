@@ -1,0 +1,101 @@
+"""Parameters of testers follow the budget of their campaign."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+import pytest
+from pydantic import Field
+
+from drivora_service.errors import Problem, SearchError
+from drivora_service.parameters import describe_parameters
+from drivora_service.search.budget_bounds import MOST_CANDIDATES, problems_of_tester, within_budget
+from drivora_service.search.catalogue import BUILT_IN
+from drivora_service.search.plugin import TesterPlugin
+from drivora_service.search.testers.avfuzzer.search import AVFUZZER
+from drivora_service.search.testers.random_search import RANDOM
+from drivora_service.search.testers.samota.tester import SAMOTA
+
+
+def integers(plugin: TesterPlugin[Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    for one in describe_parameters(plugin.parameters):
+        if one.schema.get("type") == "integer":
+            yield one.name, dict(one.schema)
+
+
+@pytest.mark.parametrize("plugin", BUILT_IN, ids=lambda plugin: plugin.name)
+def test_every_integer_of_a_tester_is_bounded(plugin: TesterPlugin[Any]) -> None:
+    for name, schema in integers(plugin):
+        (found,) = problems_of_tester(plugin, {name: 10**9}, 30)
+        assert found.pointer == f"/{name}"
+        assert "is 1000000000; allowed: an integer " in found.message
+        assert schema["maximum"] <= 10**8
+    assert not list(problems_of_tester(plugin, {}, 1))
+
+
+def test_what_is_simulated_may_not_exceed_the_budget() -> None:
+    (found,) = problems_of_tester(SAMOTA, {"initial": 301}, 300)
+    assert found.code == "beyond_budget"
+    assert found.message == (
+        "tester 'samota': initial is 301; allowed: an integer from 1 to 300 (the budget is 300 "
+        "simulations for a seed scenario, and each of these candidates is simulated). Use fewer, "
+        "or a greater budget"
+    )
+    assert not list(problems_of_tester(SAMOTA, {"initial": 300}, 300))
+
+
+def test_a_population_has_a_bound_whatever_the_budget() -> None:
+    (found,) = problems_of_tester(AVFUZZER, {"population": MOST_CANDIDATES + 1}, 10**6)
+    assert "allowed: an integer from 2 to 10000" in found.message
+
+
+def test_the_default_is_allowed_with_a_smaller_budget() -> None:
+    assert not list(problems_of_tester(SAMOTA, {"initial": 30}, 4))
+    (found,) = problems_of_tester(SAMOTA, {"initial": 31}, 4)
+    assert "from 1 to 30 (the default; the budget is 4 simulations" in found.message
+
+
+def test_a_campaign_of_an_earlier_version_is_not_compared_with_its_budget() -> None:
+    assert not list(problems_of_tester(SAMOTA, {"initial": 31}, None))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Islands:
+    islands: Annotated[int, Field(ge=1, le=100)] = 2
+    size: Annotated[int, within_budget(2)] = 4
+
+
+def check_islands(parameters: Islands, budget: int) -> Iterator[Problem]:
+    if parameters.islands * parameters.size > max(budget, 8):
+        yield Problem(pointer="/islands", code="beyond_budget", message="too many")
+
+
+OWN = replace(RANDOM, name="islands", parameters=Islands, check=check_islands)
+
+
+def test_a_plug_in_gets_the_same_and_may_check_several_parameters_together() -> None:
+    problems = [
+        [(found.pointer, found.code) for found in problems_of_tester(OWN, given, 40)]
+        for given in (
+            {"size": 41, "islands": 5},
+            {"size": 10, "islands": 5},
+            {"size": 10, "islands": 4},
+        )
+    ]
+    assert problems == [[("/size", "beyond_budget")], [("/islands", "beyond_budget")], []]
+
+
+def test_a_check_that_raises_is_a_problem_of_its_plug_in() -> None:
+    def fail(_parameters: Islands, _budget: int) -> Iterator[Problem]:
+        raise ZeroDivisionError("division by zero")
+
+    def refuse(_parameters: Islands, _budget: int) -> Iterator[Problem]:
+        raise SearchError("no islands here")
+
+    (raised,) = problems_of_tester(replace(OWN, check=fail), {}, 40)
+    (refused,) = problems_of_tester(replace(OWN, check=refuse), {}, 40)
+    assert raised.code == refused.code == "plugin"
+    assert "raised ZeroDivisionError when it checked its parameters" in raised.message
+    assert refused.message == "no islands here"
