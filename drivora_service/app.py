@@ -21,6 +21,7 @@ from drivora_service.api.guards.page_sessions import SessionFile
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.document.stored_gene_spaces import GeneSpaces
 from drivora_service.campaigns.hosts.campaign_supervisor import CampaignSupervisor
+from drivora_service.campaigns.hosts.engine_limits import EngineLimits
 from drivora_service.campaigns.hosts.engine_process import EngineSetup
 from drivora_service.dashboard.page import page_routes
 from drivora_service.errors import ConfigurationError
@@ -240,6 +241,9 @@ def _engine_setup(settings: Settings) -> EngineSetup:
         shipped_networks=shipped_networks(),
         imported_networks=settings.imported_networks_dir,
         workers=settings.workers if settings.executor == "local" else _MANY,
+        limits=EngineLimits(
+            memory_bytes=settings.campaign_memory_mb << 20, call_s=settings.tester_deadline_s
+        ),
         agents=settings.agents_folder,
         laws=read_law_sources(settings.laws_folder),
     )

@@ -142,7 +142,8 @@ class PluginError(DrivoraError):
     Attributes:
         cause: Short stable name: ``feedback_plugin``, ``feedback_raised``,
             ``feedback_invalid_measurement``, ``metric_plugin``, ``metric_raised``,
-            ``metric_invalid_value``, ``tester_raised``, and those of oracles.
+            ``metric_invalid_value``, ``tester_raised``, ``tester_out_of_memory``, and those of
+            oracles.
         log: The end of its traceback.
     """
 

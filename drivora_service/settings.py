@@ -133,6 +133,17 @@ class Settings(BaseSettings):
         le=1024,
         description="Number of campaigns that run at once, each in a process; others wait.",
     )
+    campaign_memory_mb: int = Field(
+        default=4096,
+        ge=512,
+        description="Memory of a campaign's process with all that its tester starts, MiB, beyond "
+        "which the campaign fails.",
+    )
+    tester_deadline_s: float = Field(
+        default=600.0,
+        gt=0,
+        description="Seconds that one call of a tester may take, beyond which its campaign fails.",
+    )
     retain_passed_traces_days: float | None = Field(
         default=None,
         ge=0,

@@ -1,9 +1,6 @@
 """The limits of a run, checked from outside while it runs.
 
-A worker may be slow for reasons outside its code: stopped by a signal, waiting for swapped-out
-memory, displaced by other processes, or sampled late by a slow server. So the time that counts
-against an agent is the worker's own: the seconds in which it slept, which is up to its code, and
-the processor time that it used otherwise.
+The time that counts against an agent is the worker's own, see ``own_time``.
 """
 
 from __future__ import annotations
@@ -11,19 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drivora_service.execution.executor import Limits
+from drivora_service.execution.own_time import OwnTime
 from drivora_service.runs.run_report import RunFailure, RunStatus
 from drivora_service.simulation.run_phase import RunPhase
 from drivora_service.worker.process_readings import ProcessReading
 from drivora_service.worker.progress_board import Progress
 
-_LONGEST_GAP_S = 1.0
-"""Seconds between two looks that count; more means that the server itself was delayed."""
-
 _OWN_SHARE = 0.5
 """Share of its wall time that a run must have had itself to count as timed out."""
-
-_SLEEPING = frozenset("SIKWPXx")
-"""States in ``proc(5)`` in which a process waits because of its code; R, D, T and t are not."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,8 +55,7 @@ class Watch:
     def __init__(self, limits: Limits, *, now: float) -> None:
         """Creates the watch of a run that begins at ``now``, in seconds of a monotonic clock."""
         self._limits = limits
-        self._last = now
-        self._cpu_s: float | None = None
+        self._time = OwnTime(now=now)
         self._passed = self._own = 0.0
         self._seen: Progress | None = None
         self._in_call = 0.0
@@ -95,16 +86,7 @@ class Watch:
 
     def _account(self, sample: Sample) -> float:
         """Returns the seconds of the worker's own time since the last sample."""
-        elapsed = max(0.0, sample.now - self._last)
-        passed = min(elapsed, _LONGEST_GAP_S)
-        process = sample.process
-        if process is None or process.state in _SLEEPING:
-            own = passed
-        else:
-            # Several threads may have used more than the wall time.
-            own = 0.0 if self._cpu_s is None else min(process.cpu_s - self._cpu_s, elapsed)
-        self._last = sample.now
-        self._cpu_s = self._cpu_s if process is None else process.cpu_s
+        passed, own = self._time.add(sample.process, sample.now)
         self._passed += passed
         self._own += own
         return own

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
 
 import structlog
 
@@ -19,14 +18,15 @@ from drivora_service.campaigns.hosts.engine_process import (
     log_tail,
     run_engine,
 )
+from drivora_service.campaigns.hosts.running_engine import RunningEngine
 from drivora_service.errors import Conflict
 from drivora_service.execution.deaths import signal_name
-from drivora_service.execution.fork_server import exit_code, kill_process, spawn_process
+from drivora_service.execution.fork_server import exit_code, spawn_process
 from drivora_service.execution.supervised import SupervisedThread
 from drivora_service.fault_log import FaultLog
 from drivora_service.store.campaigns.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database, Transaction
-from drivora_service.store.locks.work_locks import HeldWork, LongWork
+from drivora_service.store.locks.work_locks import LongWork
 
 _LOOK_S = 0.5
 """Seconds between two polls for campaigns to run."""
@@ -45,16 +45,6 @@ _ENDS = {
     CampaignRequest.PAUSE: CampaignState.PAUSED,
     CampaignRequest.CANCEL: CampaignState.CANCELLED,
 }
-
-
-@dataclass(slots=True, kw_only=True)
-class _Engine:
-    """A running process; ``queued`` is ``None`` once the process has closed it."""
-
-    campaign_id: str
-    lock: HeldWork
-    process: BaseProcess
-    queued: Connection | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,7 +85,7 @@ class CampaignSupervisor:
         """
         self._database, self._setup = database, setup
         self._at_once, self._on_queued = at_once, on_queued
-        self._engines: dict[str, _Engine] = {}
+        self._engines: dict[str, RunningEngine] = {}
         self._deaths: dict[str, _Deaths] = {}
         self._not_before: dict[str, float] = {}
         self._look_at = 0.0
@@ -147,8 +137,7 @@ class CampaignSupervisor:
 
     def _end_engines(self) -> None:
         for engine in self._engines.values():
-            kill_process(engine.process)
-            engine.lock.release()
+            engine.close()
 
     def _turn(self) -> None:
         if self._listen():
@@ -165,7 +154,9 @@ class CampaignSupervisor:
     def _listen(self) -> bool:
         """Waits for a message or the next poll; returns whether runs were queued."""
         engines = list(self._engines.values())
-        words: dict[Connection, _Engine] = {e.queued: e for e in engines if e.queued is not None}
+        words: dict[Connection, RunningEngine] = {
+            e.queued: e for e in engines if e.queued is not None
+        }
         sentinels = [engine.process.sentinel for engine in engines]
         timeout = max(0.0, self._look_at - time.monotonic())
         ready = wait([self._woken, *words, *sentinels], timeout)
@@ -184,11 +175,16 @@ class CampaignSupervisor:
 
     def _poll(self, now: float) -> None:
         """Starts campaigns for the free room, and ends stopped ones without an engine."""
+        for engine in self._engines.values():
+            engine.check_limits(now)
         self._database.locks.keep()
         with self._database.read() as transaction:
             wanted = transaction.campaigns.to_run()
         for campaign in wanted:
-            if campaign.id in self._engines or now < self._not_before.get(campaign.id, 0.0):
+            engine = self._engines.get(campaign.id)
+            if engine is not None:
+                engine.hurry(campaign.request, now)
+            if engine is not None or now < self._not_before.get(campaign.id, 0.0):
                 continue
             try:
                 self._update_campaign(campaign.id, campaign.request)
@@ -215,6 +211,8 @@ class CampaignSupervisor:
             return
         reader, writer = multiprocessing.Pipe(duplex=False)
         try:
+            # What an engine of a service that was killed has written must not count for this one.
+            self._setup.board(campaign_id).unlink(missing_ok=True)
             # Not from the fork server of the workers: an engine never needs the simulator.
             process = spawn_process(run_engine, (self._setup, campaign_id, writer))
         except OSError as error:
@@ -226,29 +224,30 @@ class CampaignSupervisor:
             return
         finally:
             writer.close()
-        self._engines[campaign_id] = _Engine(
-            campaign_id=campaign_id, lock=lock, process=process, queued=reader
+        self._engines[campaign_id] = RunningEngine(
+            self._setup, campaign_id, lock=lock, process=process, queued=reader
         )
         _log.info("campaign_started", campaign=campaign_id, pid=process.pid)
 
-    def _clean_up(self, engine: _Engine, code: int) -> None:
+    def _clean_up(self, engine: RunningEngine, code: int) -> None:
         campaign_id = engine.campaign_id
         with self._database.read() as transaction:
             record = transaction.campaigns.get(campaign_id)
+            request = transaction.campaigns.request_of(campaign_id)
         if record.state in (CampaignState.QUEUED, CampaignState.RUNNING):
             if code == CANNOT_RUN:
                 self._not_before[campaign_id] = time.monotonic() + _RETRY_S
+            elif request is not CampaignRequest.NONE:
+                self._end(campaign_id, _ENDS[request])
+            elif engine.fault:
+                self._end(campaign_id, CampaignState.FAILED, engine.fault)
             else:
                 self._count_death(campaign_id, code, record.counts.evaluations)
         else:
             _log.info("campaign_ended", campaign=campaign_id, state=record.state)
-            self._deaths.pop(campaign_id, None)
-            self._not_before.pop(campaign_id, None)
+            self._forget(campaign_id)
         del self._engines[campaign_id]
-        kill_process(engine.process)
-        engine.lock.release()
-        if engine.queued is not None:
-            engine.queued.close()
+        engine.close()
 
     def _count_death(self, campaign_id: str, code: int, evaluations: int) -> None:
         known = self._deaths.get(campaign_id)
@@ -261,14 +260,20 @@ class CampaignSupervisor:
             self._not_before[campaign_id] = time.monotonic() + _RETRY_S * 2**before
             return
         tail = log_tail(self._setup.log(campaign_id), _TAIL_LINES)
+        self._end(
+            campaign_id,
+            CampaignState.FAILED,
+            f"its process died {deaths.count} times after {evaluations} evaluations, the last time "
+            f"of {how}. Resume the campaign to try it again. The end of its log:\n{tail}",
+        )
+
+    def _end(self, campaign_id: str, state: CampaignState, message: str = "") -> None:
         with self._database.write() as transaction:
-            transaction.campaigns.end(
-                campaign_id,
-                CampaignState.FAILED,
-                message=f"its process died {deaths.count} times after {evaluations} evaluations, "
-                f"the last time of {how}. Resume the campaign to try it again. The end of its "
-                f"log:\n{tail}",
-            )
+            transaction.campaigns.end(campaign_id, state, message=message)
+        _log.info("campaign_ended", campaign=campaign_id, state=state)
+        self._forget(campaign_id)
+
+    def _forget(self, campaign_id: str) -> None:
         self._deaths.pop(campaign_id, None)
         self._not_before.pop(campaign_id, None)
 

@@ -5,18 +5,22 @@ from __future__ import annotations
 import contextlib
 import faulthandler
 import os
+import signal
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
+from types import FrameType
 
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.evaluation.queue_evaluator import QueueEvaluator
 from drivora_service.campaigns.evaluator import Evaluator
+from drivora_service.campaigns.hosts.engine_limits import CallBoard, EngineLimits
 from drivora_service.campaigns.records.campaign_folder import CampaignFolder
 from drivora_service.campaigns.records.stored_campaigns import run_stored
 from drivora_service.campaigns.search.conducting import Watcher
+from drivora_service.campaigns.search.tester_calls import limit_memory
 from drivora_service.errors import Conflict, DrivoraError, PluginError, StoreUnavailable
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.oracles.laws.sources import LawSource
@@ -46,6 +50,7 @@ class EngineSetup:
         campaigns: Folder of all campaigns.
         traces: Where the traces are.
         workers: Number of runs that the service performs at once.
+        limits: What each process may use.
         laws: The user's law files.
     """
 
@@ -55,6 +60,7 @@ class EngineSetup:
     shipped_networks: Path
     imported_networks: Path | None
     workers: int
+    limits: EngineLimits = field(default_factory=EngineLimits)
     agents: Path | None = None
     laws: tuple[LawSource, ...] = ()
 
@@ -65,6 +71,10 @@ class EngineSetup:
     def log(self, campaign_id: str) -> Path:
         """Returns the path of the log of a campaign's process."""
         return self.folder(campaign_id).path / "engine.log"
+
+    def board(self, campaign_id: str) -> Path:
+        """Returns the path of the file that says in which call of its tester a process is."""
+        return self.folder(campaign_id).path / "engine.call"
 
 
 def log_tail(path: Path, lines: int) -> str:
@@ -91,7 +101,10 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
     os.setsid()
     _print_to(setup.log(campaign_id))
     faulthandler.enable()
+    signal.signal(signal.SIGTERM, _interrupt_once)
+    limit_memory(setup.limits.memory_bytes)
     print(f"process {os.getpid()} runs campaign {campaign_id}", flush=True)
+    board = CallBoard(setup.board(campaign_id))
     database = open_database(setup.database_url, patience_s=_PATIENCE_S)
     with database.read() as transaction:
         record = transaction.campaigns.get(campaign_id)
@@ -123,7 +136,7 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
                 setup.laws,
             ),
             evaluator=open_evaluator,
-            watcher=Watcher(on_warning=warn),
+            watcher=Watcher(on_call=board.write, on_warning=warn),
             only_queued=True,
             is_locked=True,
         )
@@ -132,6 +145,10 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
         if isinstance(error, PluginError):
             _say(error.log)
         sys.exit(CANNOT_RUN if isinstance(error, Conflict | StoreUnavailable) else _FAILED)
+    except KeyboardInterrupt:
+        # Its end is stored; a traceback in the log would look like a fault.
+        print(f"campaign {campaign_id}: ended while its tester worked, as requested", flush=True)
+        sys.exit(_FAILED)
     finally:
         database.close()
     print(f"campaign {campaign_id} is {ended.state}", flush=True)
@@ -140,6 +157,12 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
 def _say(text: str) -> None:
     """Prints a text, which may be of an agent or a plug-in, to the log."""
     print(visible_text(text, has_lines=True), flush=True)
+
+
+def _interrupt_once(_number: int, _frame: FrameType | None) -> None:
+    """Interrupts the tester, so that what was found is stored; a second signal has no effect."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise KeyboardInterrupt
 
 
 def _print_to(path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import traceback
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import replace
@@ -15,6 +16,7 @@ from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.records.campaign_folder import CampaignFolder
 from drivora_service.campaigns.records.store_journal import StoreJournal
 from drivora_service.campaigns.search.conducting import Watcher, conduct
+from drivora_service.campaigns.search.tester_calls import TesterCall, out_of_memory
 from drivora_service.errors import (
     CampaignError,
     Conflict,
@@ -26,6 +28,7 @@ from drivora_service.errors import (
 from drivora_service.plugin_table import describe_missing_packages
 from drivora_service.store.campaigns.campaign_records import (
     CampaignRecord,
+    CampaignRequest,
     CampaignState,
     NewCampaign,
 )
@@ -134,6 +137,7 @@ def run_stored(
                 catalogues,
                 run_prefix=campaign_id,
                 checkpoints=folder.checkpoints(record.counts.evaluations),
+                on_call=watcher.on_call,
             )
             with evaluator(valid.campaign.workers) as evaluating:
                 state = conduct(
@@ -145,8 +149,14 @@ def run_stored(
                     watcher=asking,
                 )
         except KeyboardInterrupt:
-            journal.end(CampaignState.PAUSED)
+            is_cancelled = asking.requested() is CampaignRequest.CANCEL
+            journal.end(CampaignState.CANCELLED if is_cancelled else CampaignState.PAUSED)
             raise
+        except MemoryError as error:
+            traceback.clear_frames(error.__traceback__)
+            message = out_of_memory(f"tester {record.tester!r}", TesterCall.MAKE)
+            journal.end(CampaignState.FAILED, message)
+            raise CampaignError(message) from None
         except WorkersCannotStart as error:
             # A fault of this machine, not of the campaign, which can be resumed after it.
             journal.end(CampaignState.PAUSED, str(error))

@@ -10,6 +10,7 @@ from drivora_service.campaigns.records.journal import Journal
 from drivora_service.campaigns.search.confirmation import confirm_failures, group_failures
 from drivora_service.campaigns.search.engine import Engine, Search, Told
 from drivora_service.campaigns.search.seed_trial import SeedTrial
+from drivora_service.campaigns.search.tester_calls import TesterCall
 from drivora_service.campaigns.search.warning_watch import WarningWatch
 from drivora_service.store.campaigns.campaign_records import (
     CampaignRequest,
@@ -29,6 +30,7 @@ class Watcher:
         on_told: Called with every evaluation.
         on_confirmed: Called with the number and the confirmation of every failing evaluation that
             was run again.
+        on_call: Called when a call of the tester begins, and with ``NONE`` when it ends.
         on_warning: Called once with each kind of warning that the campaign says little.
     """
 
@@ -36,6 +38,7 @@ class Watcher:
     requested: Callable[[], CampaignRequest] = lambda: CampaignRequest.NONE
     on_told: Callable[[Told], None] = lambda _told: None
     on_confirmed: Callable[[int, Confirmation], None] = lambda _number, _confirmation: None
+    on_call: Callable[[TesterCall], None] = lambda _call: None
     on_warning: Callable[[CampaignWarning], None] = lambda _warning: None
 
 
@@ -79,7 +82,14 @@ def conduct(
     if try_seeds:
         evaluator = seeds = SeedTrial(search, evaluator, journal, on_seed=warnings.see_seed)
         seeds.begin()
-    engine = Engine(search, evaluator, journal, requested=watcher.requested, on_told=see)
+    engine = Engine(
+        search,
+        evaluator,
+        journal,
+        requested=watcher.requested,
+        on_told=see,
+        on_call=watcher.on_call,
+    )
     request = engine.run()
     if request is CampaignRequest.NONE:
         warnings.end()

@@ -27,6 +27,7 @@ from drivora_service.campaigns.search.evaluation_judging import (
     violations_of,
 )
 from drivora_service.campaigns.search.seed_turns import SearchPart, Turn, Turns
+from drivora_service.campaigns.search.tester_calls import TesterCall, called, out_of_memory
 from drivora_service.errors import CampaignError, DrivoraError, PluginError
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.foreign_errors import exception_place
@@ -116,6 +117,7 @@ class Engine:
         *,
         requested: Callable[[], CampaignRequest] = lambda: CampaignRequest.NONE,
         on_told: Callable[[Told], None] = lambda _told: None,
+        on_call: Callable[[TesterCall], None] = lambda _call: None,
     ) -> None:
         """Creates the engine; :meth:`run` runs the campaign.
 
@@ -125,9 +127,10 @@ class Engine:
             journal: Record of the campaign; the testers first receive its evaluations again.
             requested: Returns a pending request to stop.
             on_told: Called after each told evaluation.
+            on_call: Called when a call of the tester begins, and with ``NONE`` when it ends.
         """
         self._search, self._evaluator, self._journal = search, evaluator, journal
-        self._requested, self._on_told = requested, on_told
+        self._requested, self._on_told, self._on_call = requested, on_told, on_call
         self._stored = journal.evaluations()
         self._turns = Turns(search.parts)
         self._waiting: deque[_Waiting] = deque()
@@ -213,7 +216,7 @@ class Engine:
         Raises:
             CampaignError: It proposes too many candidates, or values that are no finite numbers.
         """
-        proposals = self._call_tester("asked", lambda: part.tester.ask(room))
+        proposals = self._call_tester(TesterCall.ASK, lambda: part.tester.ask(room))
         if len(proposals) > room:
             raise CampaignError(
                 f"the tester was asked for at most {room} candidates and proposed {len(proposals)}"
@@ -252,7 +255,7 @@ class Engine:
         # Also for a replayed evaluation: its time was counted before the campaign was resumed.
         self._search_s = 0.0
         evaluation = waiting.turn.of_tester(evaluation_of(record))
-        self._call_tester("told", lambda: waiting.turn.part.tester.tell(evaluation))
+        self._call_tester(TesterCall.TELL, lambda: waiting.turn.part.tester.tell(evaluation))
         self._judged += record.status is EvaluationStatus.JUDGED
         self._failed += record.status is EvaluationStatus.FAILED
         self._on_told(Told(record=record, replayed=waiting.stored is not None))
@@ -340,17 +343,24 @@ class Engine:
                 "original versions, or start a new one"
             )
 
-    def _call_tester(self, call: str, work: Callable[[], T]) -> T:
+    def _call_tester(self, call: TesterCall, work: Callable[[], T]) -> T:
         """Calls the tester and attributes its exceptions to it."""
         # Of this thread: other campaigns of the process take turns with it.
         begun = time.thread_time()
         try:
-            return work()
+            with called(self._on_call, call):
+                return work()
         except DrivoraError:
             raise
+        except MemoryError as error:
+            # What the tester's frames hold would leave no memory to store the failure.
+            traceback.clear_frames(error.__traceback__)
+            raise PluginError(
+                out_of_memory(self._search.tester, call), cause="tester_out_of_memory", log=""
+            ) from None
         except (Exception, SystemExit) as error:
             raise PluginError(
-                f"the {self._search.tester} raised {type(error).__name__} when it was {call}: "
+                f"the {self._search.tester} raised {type(error).__name__} when it {call.words}: "
                 f"{error}{exception_place(error)}",
                 cause="tester_raised",
                 log="".join(traceback.format_exception(error))[-_LOG:],

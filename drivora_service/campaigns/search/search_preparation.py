@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import version
 
@@ -15,6 +16,7 @@ from drivora_service.campaigns.document.start_checks import read_starts
 from drivora_service.campaigns.search.engine import Search
 from drivora_service.campaigns.search.failure_kinds import FailureKinds
 from drivora_service.campaigns.search.seed_turns import SearchPart
+from drivora_service.campaigns.search.tester_calls import TesterCall, called
 from drivora_service.campaigns.search.warm_start import ShiftedCheckpoints, WarmStart
 from drivora_service.errors import InvalidDocument, NetworkError, Problem, SearchError
 from drivora_service.networks.road_network import RoadNetwork
@@ -77,6 +79,7 @@ def prepare_search(
     *,
     run_prefix: str,
     checkpoints: Checkpoints | None = None,
+    on_call: Callable[[TesterCall], None] = lambda _call: None,
 ) -> Search:
     """Builds the search of a campaign: its gene space and its tester.
 
@@ -88,6 +91,7 @@ def prepare_search(
         run_prefix: Prefix of the ids of the runs.
         checkpoints: Place for checkpoints of the tester; unused with several seed scenarios, since
             it numbers the evaluations of one tester.
+        on_call: Called when a tester is going to be made, and with ``NONE`` afterwards.
 
     Raises:
         InvalidDocument: The gene space cannot be built, or the tester cannot search it.
@@ -117,7 +121,8 @@ def prepare_search(
             kept = checkpoints if len(valid.seeds) == 1 else None
             if kept is not None and starts:
                 kept = ShiftedCheckpoints(kept, len(starts))
-            tester = _tester(valid, catalogues, space, place, kept)
+            with called(on_call, TesterCall.MAKE):
+                tester = _tester(valid, catalogues, space, place, kept)
             if starts:
                 tester = WarmStart(tester, starts, space.genes)
         except SearchError as error:
