@@ -29,6 +29,7 @@ from drivora_service.campaigns.evaluation.shared_pool import SharedPool
 from drivora_service.campaigns.evaluator import Evaluator, EvaluatorContext
 from drivora_service.campaigns.hosts.command_campaigns import CommandCampaigns
 from drivora_service.campaigns.records.campaign_folder import CampaignFolder
+from drivora_service.campaigns.search.tester_calls import CallMemory
 from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.executor import Executor
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
@@ -204,8 +205,9 @@ def create_command_app(
             with contextlib.closing(plugin.create(context)) as made:
                 yield made
 
+    memory = CallMemory(settings.campaign_memory_mb << 20)
     campaigns = CommandCampaigns(
-        database, campaign_folder, catalogues, open_evaluator, on_error=on_error
+        database, campaign_folder, catalogues, open_evaluator, on_error=on_error, memory=memory
     )
 
     @contextlib.contextmanager
@@ -228,6 +230,7 @@ def create_command_app(
             catalogues=catalogues,
             pool=open_pool,
             on_error=on_error,
+            memory=memory,
         )
     )
     minimizations = MinimizationRunner(

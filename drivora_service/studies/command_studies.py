@@ -11,9 +11,11 @@ from dataclasses import dataclass
 
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.evaluation.shared_pool import SharedPool
+from drivora_service.campaigns.hosts.tester_interruption import TesterInterruption
 from drivora_service.campaigns.records.campaign_folder import CampaignFolder
 from drivora_service.campaigns.records.stored_campaigns import run_stored
 from drivora_service.campaigns.search.conducting import Watcher
+from drivora_service.campaigns.search.tester_calls import CallMemory
 from drivora_service.errors import Conflict, StoreError, WorkersCannotStart
 from drivora_service.store.campaigns.campaign_records import CampaignRequest
 from drivora_service.store.database import Database, Transaction
@@ -38,6 +40,7 @@ class CommandSetup:
         catalogues: Catalogues for the names in campaigns.
         pool: Returns the workers, for the number that a study wants.
         on_error: Called from a thread with the error that stopped a campaign, or the study.
+        memory: Limit of memory during calls of testers.
     """
 
     database: Callable[[], Database]
@@ -45,6 +48,7 @@ class CommandSetup:
     catalogues: Catalogues
     pool: Callable[[int | None], AbstractContextManager[SharedPool]]
     on_error: Callable[[BaseException], None]
+    memory: CallMemory
 
 
 class CommandStudies:
@@ -152,19 +156,19 @@ class _Work:
         with database.read() as transaction:
             ids = transaction.studies.campaign_ids(study_id, NOT_OVER)
         self._coming = deque(ids)
-        self._threads: list[threading.Thread] = []
+        self._threads: list[tuple[threading.Thread, TesterInterruption]] = []
 
     def run(self) -> None:
         """Runs until all campaigns have ended, or a stop is requested."""
         looked = 0.0
         try:
             while True:
-                self._threads = [thread for thread in self._threads if thread.is_alive()]
+                self._threads = [(one, watch) for one, watch in self._threads if one.is_alive()]
                 if looked >= _REQUEST_S:
                     looked = 0.0
                     self._look_for_request()
                 is_stopped = self._is_stopped()
-                if not self._threads and (is_stopped or not self._coming):
+                if self._is_left() and (is_stopped or not self._coming):
                     return
                 # One more than workers: its tester thinks while the others' runs are performed.
                 has_room = len(self._threads) <= self._pool.workers
@@ -175,8 +179,12 @@ class _Work:
                 looked += _LOOK_S
         finally:
             self._stopped.set()
-            for thread in self._threads:
-                thread.join()
+            while not self._is_left():
+                self._ended.wait(_LOOK_S)
+
+    def _is_left(self) -> bool:
+        """Returns whether no campaign runs, but for those whose testers never return."""
+        return all(watch.lets_go(thread) for thread, watch in self._threads)
 
     def _is_stopped(self) -> bool:
         return self._stopped.is_set() or self._closing.is_set() or bool(self._pool.fault)
@@ -189,25 +197,36 @@ class _Work:
             self._stopped.set()
 
     def _start(self, campaign_id: str) -> None:
-        thread = threading.Thread(
-            target=self._conduct, args=(campaign_id,), name=f"campaign {campaign_id}"
+        watch = TesterInterruption(
+            self._setup.database, campaign_id, self._requested, self._setup.memory
         )
-        self._threads.append(thread)
+        thread = threading.Thread(
+            target=self._conduct,
+            args=(campaign_id, watch),
+            name=f"campaign {campaign_id}",
+            daemon=True,
+        )
+        self._threads.append((thread, watch))
         thread.start()
 
-    def _conduct(self, campaign_id: str) -> None:
+    def _requested(self) -> CampaignRequest:
+        return self._request if self._is_stopped() else NONE
+
+    def _conduct(self, campaign_id: str, watch: TesterInterruption) -> None:
         evaluator = self._pool.evaluator()
         try:
-            run_stored(
-                self._database,
-                campaign_id,
-                self._setup.campaign_folder(campaign_id),
-                catalogues=self._setup.catalogues,
-                evaluator=lambda _workers: closing(evaluator),
-                watcher=Watcher(requested=lambda: self._request if self._is_stopped() else NONE),
-            )
-        except Conflict:
-            # Another process runs it by itself, or it was cancelled meanwhile.
+            with watch.watching():
+                run_stored(
+                    self._database,
+                    campaign_id,
+                    self._setup.campaign_folder(campaign_id),
+                    catalogues=self._setup.catalogues,
+                    evaluator=lambda _workers: closing(evaluator),
+                    watcher=Watcher(requested=self._requested, on_call=watch.on_call),
+                )
+        except (Conflict, KeyboardInterrupt):
+            # Another process runs it by itself, it was cancelled meanwhile, or its tester did not
+            # follow a request and was interrupted.
             pass
         except BaseException as error:
             if isinstance(error, WorkersCannotStart | StoreError):

@@ -181,10 +181,10 @@ class CampaignSupervisor:
         with self._database.read() as transaction:
             wanted = transaction.campaigns.to_run()
         for campaign in wanted:
-            engine = self._engines.get(campaign.id)
-            if engine is not None:
-                engine.hurry(campaign.request, now)
-            if engine is not None or now < self._not_before.get(campaign.id, 0.0):
+            running = self._engines.get(campaign.id)
+            if running is not None:
+                running.hurry(campaign.request, now)
+            if running is not None or now < self._not_before.get(campaign.id, 0.0):
                 continue
             try:
                 self._update_campaign(campaign.id, campaign.request)

@@ -9,9 +9,11 @@ from contextlib import AbstractContextManager
 
 from drivora_service.campaigns.document.campaign_catalogues import Catalogues
 from drivora_service.campaigns.evaluator import Evaluator
+from drivora_service.campaigns.hosts.tester_interruption import TesterInterruption
 from drivora_service.campaigns.records.campaign_folder import CampaignFolder
 from drivora_service.campaigns.records.stored_campaigns import run_stored
 from drivora_service.campaigns.search.conducting import Watcher
+from drivora_service.campaigns.search.tester_calls import CallMemory
 from drivora_service.errors import (
     Conflict,
     StoreError,
@@ -21,6 +23,9 @@ from drivora_service.errors import (
 )
 from drivora_service.store.campaigns.campaign_records import CampaignRequest, CampaignState
 from drivora_service.store.database import Database, Transaction
+
+_LOOK_S = 0.1
+"""Seconds between two looks whether a campaign has ended, or is left to itself."""
 
 
 class CommandCampaigns:
@@ -38,6 +43,7 @@ class CommandCampaigns:
         evaluator: Callable[[int | None], AbstractContextManager[Evaluator]],
         *,
         on_error: Callable[[BaseException], None],
+        memory: CallMemory,
     ) -> None:
         """Creates the host, without campaigns.
 
@@ -48,11 +54,12 @@ class CommandCampaigns:
             evaluator: Returns the evaluator, for the number of workers of a campaign.
             on_error: Called from the thread of a campaign with the error that stopped it, which is
                 stored, too, unless the database cannot be used.
+            memory: Limit of memory during calls of testers.
         """
         self._database, self._folder, self._catalogues = database, folder, catalogues
-        self._evaluator, self._on_error = evaluator, on_error
+        self._evaluator, self._on_error, self._memory = evaluator, on_error, memory
         self._taken: list[str] = []
-        self._threads: list[threading.Thread] = []
+        self._threads: list[tuple[threading.Thread, TesterInterruption]] = []
         self._closing = threading.Event()
         self.fault = ""
 
@@ -80,32 +87,47 @@ class CommandCampaigns:
             self._begin(self._taken.pop())
 
     def close(self) -> None:
-        """Pauses the running campaigns, and waits for them."""
+        """Pauses the running campaigns, and waits for them, but not for ever for a tester."""
         self._closing.set()
-        for thread in self._threads:
-            thread.join()
+        for thread, interruption in self._threads:
+            while not interruption.lets_go(thread):
+                thread.join(_LOOK_S)
 
     def _begin(self, campaign_id: str) -> None:
         """Starts the thread of a campaign; returns once it runs, or is stored as failed."""
         begun: Future[None] = Future()
-        thread = threading.Thread(
-            target=self._run, args=(campaign_id, begun), name=f"campaign {campaign_id}"
+        interruption = TesterInterruption(
+            self._database, campaign_id, self._current_request, self._memory
         )
-        self._threads.append(thread)
+        thread = threading.Thread(
+            target=self._run,
+            args=(campaign_id, begun, interruption),
+            name=f"campaign {campaign_id}",
+            daemon=True,
+        )
+        self._threads.append((thread, interruption))
         thread.start()
         begun.result()
 
-    def _run(self, campaign_id: str, begun: Future[None]) -> None:
-        watcher = Watcher(requested=self._current_request, on_begun=lambda: begun.set_result(None))
+    def _run(self, campaign_id: str, begun: Future[None], interruption: TesterInterruption) -> None:
+        watcher = Watcher(
+            requested=self._current_request,
+            on_begun=lambda: begun.set_result(None),
+            on_call=interruption.on_call,
+        )
         try:
-            run_stored(
-                self._database(),
-                campaign_id,
-                self._folder(campaign_id),
-                catalogues=self._catalogues,
-                evaluator=self._evaluator,
-                watcher=watcher,
-            )
+            with interruption.watching():
+                run_stored(
+                    self._database(),
+                    campaign_id,
+                    self._folder(campaign_id),
+                    catalogues=self._catalogues,
+                    evaluator=self._evaluator,
+                    watcher=watcher,
+                )
+        except KeyboardInterrupt:
+            # Its tester was interrupted, as requested, and the end is stored.
+            pass
         except BaseException as error:
             # Whatever it is: without an end of the thread's work, the command would wait for ever.
             if begun.done():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -55,6 +56,8 @@ class StoreJournal:
         self._claim = claim
         self._begun = self._counted_until = clock()
         self._unwritten: list[tuple[EvaluationRecord, str]] = []
+        # Held while evaluations are taken or written, which a second thread does, too.
+        self._writing = threading.RLock()
         self._write_at = self._look_at = clock()
         self._changes: int | None = None
         self._seen = CampaignRequest.NONE
@@ -75,12 +78,13 @@ class StoreJournal:
 
     def append(self, record: EvaluationRecord, document: str) -> None:
         """Takes the next evaluation, which is written soon."""
-        if not self._unwritten:
-            now = self._clock()
-            wait = _WRITE_SHARE * (now - self._begun)
-            self._write_at = now + min(max(wait, _SHORTEST_WRITE_S), _LONGEST_WRITE_S)
-        self._unwritten.append((record, document))
-        self.write_due()
+        with self._writing:
+            if not self._unwritten:
+                now = self._clock()
+                wait = _WRITE_SHARE * (now - self._begun)
+                self._write_at = now + min(max(wait, _SHORTEST_WRITE_S), _LONGEST_WRITE_S)
+            self._unwritten.append((record, document))
+            self.write_due()
 
     def write_due(self) -> None:
         """Writes the evaluations that wait, if the first of them has waited long enough."""
@@ -89,12 +93,40 @@ class StoreJournal:
 
     def flush(self) -> None:
         """Writes the evaluations that wait, durably when the call returns."""
-        if not self._unwritten:
-            return
-        # What cannot be written is not tried again: a resumed campaign makes it anew.
-        entries, self._unwritten = self._unwritten, []
-        with self._write() as transaction:
-            transaction.evaluations.append(self._campaign_id, entries, active_s=self.active_s())
+        with self._writing:
+            if not self._unwritten:
+                return
+            # What cannot be written is not tried again: a resumed campaign makes it anew.
+            entries, self._unwritten = self._unwritten, []
+            with self._write() as transaction:
+                transaction.evaluations.append(self._campaign_id, entries, active_s=self.active_s())
+
+    @contextmanager
+    def written_meanwhile(self) -> Iterator[None]:
+        """Has a second thread write what is due, as a call of a tester may take very long.
+
+        A process that is killed in such a call then loses nothing that was found before it.
+        """
+        done = threading.Event()
+        thread = threading.Thread(
+            target=self._write_until, args=(done,), name="journal", daemon=True
+        )
+        thread.start()
+        try:
+            yield
+        finally:
+            done.set()
+            thread.join()
+
+    def _write_until(self, done: threading.Event) -> None:
+        while not done.wait(_LONGEST_WRITE_S):
+            with self._writing:
+                entries = self._unwritten
+                try:
+                    self.write_due()
+                except Exception:
+                    # The thread of the campaign tries again, and has to handle the fault.
+                    self._unwritten = entries
 
     def document(self, number: int) -> str:
         """Returns the canonical JSON text of an evaluation's scenario."""

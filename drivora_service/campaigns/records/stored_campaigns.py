@@ -139,7 +139,7 @@ def run_stored(
                 checkpoints=folder.checkpoints(record.counts.evaluations),
                 on_call=watcher.on_call,
             )
-            with evaluator(valid.campaign.workers) as evaluating:
+            with evaluator(valid.campaign.workers) as evaluating, journal.written_meanwhile():
                 state = conduct(
                     search,
                     evaluating,

@@ -27,7 +27,7 @@ from drivora_service.campaigns.search.evaluation_judging import (
     violations_of,
 )
 from drivora_service.campaigns.search.seed_turns import SearchPart, Turn, Turns
-from drivora_service.campaigns.search.tester_calls import TesterCall, called, out_of_memory
+from drivora_service.campaigns.search.tester_calls import TesterCall, out_of_memory
 from drivora_service.errors import CampaignError, DrivoraError, PluginError
 from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.foreign_errors import exception_place
@@ -347,9 +347,9 @@ class Engine:
         """Calls the tester and attributes its exceptions to it."""
         # Of this thread: other campaigns of the process take turns with it.
         begun = time.thread_time()
+        self._on_call(call)
         try:
-            with called(self._on_call, call):
-                return work()
+            return work()
         except DrivoraError:
             raise
         except MemoryError as error:
@@ -366,6 +366,7 @@ class Engine:
                 log="".join(traceback.format_exception(error))[-_LOG:],
             ) from error
         finally:
+            self._on_call(TesterCall.NONE)
             self._search_s += time.thread_time() - begun
 
 

@@ -84,14 +84,16 @@ def map_pages() -> None:
             pages[place] = 1
 
 
-def plugin(act: Callable[[], None], after: int = 0) -> TesterPlugin[RandomParameters]:
+def plugin(
+    act: Callable[[], None], name: str = "", after: int = 0
+) -> TesterPlugin[RandomParameters]:
     def create(
         context: TesterContext, _parameters: RandomParameters, _components: Components
     ) -> Hostile:
         return Hostile(context, act, after)
 
     return TesterPlugin(
-        name=act.__name__.replace("_", "-"),
+        name=name or act.__name__.replace("_", "-"),
         title="Hostile",
         description="never comes back",
         source="the tests",
@@ -103,6 +105,8 @@ def plugin(act: Callable[[], None], after: int = 0) -> TesterPlugin[RandomParame
 
 
 LOOP, SLEEP, IGNORE, MATCH = plugin(loop), plugin(sleep), plugin(ignore), plugin(match)
+LATER = plugin(loop, "later", after=2)
+"""Loops when it is asked again, after one of two evaluations."""
 GROW, RESERVE, MAP_PAGES = plugin(grow), plugin(reserve), plugin(map_pages)
 
 
@@ -111,7 +115,7 @@ def install_hostile_testers(site: Path, monkeypatch: pytest.MonkeyPatch) -> None
     info = site / "hostile_testers-1.0.dist-info"
     info.mkdir(parents=True)
     shutil.copy(__file__, site)
-    names = ("loop", "sleep", "ignore", "match", "grow", "reserve", "map_pages")
+    names = ("loop", "sleep", "ignore", "match", "grow", "reserve", "map_pages", "later")
     points = [f"{name.replace('_', '-')} = hostile_testers:{name.upper()}" for name in names]
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: hostile-testers\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("\n".join(["[drivora_service.testers]", *points, ""]))
