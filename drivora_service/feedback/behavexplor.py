@@ -54,9 +54,9 @@ class BehavexplorFeedback:
         edge_scale: Metres to the edge of the road at which the term is 1.
     """
 
-    sample: Annotated[float, Field(gt=0.0)] = 0.1
-    window: Annotated[float, Field(gt=0.0)] = 1.0
-    stride: Annotated[float, Field(gt=0.0)] = 1.0
+    sample: Annotated[float, Field(ge=0.05)] = 0.1
+    window: Annotated[float, Field(gt=0.0, le=30.0)] = 1.0
+    stride: Annotated[float, Field(ge=0.05)] = 1.0
     destination_scale: Annotated[float, Field(gt=0.0)] = 10.0
     gap_scale: Annotated[float, Field(gt=0.0)] = 1.0
     line_scale: Annotated[float, Field(gt=0.0)] = 1.0

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from drivora_service.parameters import describe_parameters
 from drivora_service.search.catalogue import BUILT_IN, BUILT_IN_MUTATIONS, BUILT_IN_SELECTIONS
 from drivora_service.search.plugin import TesterPlugin
 
@@ -22,6 +23,19 @@ def test_the_page_of_a_tester_names_its_parameters_and_their_defaults(
     for field in fields(plugin.parameters):
         written = [default.split()[0] for name, default in rows if name == field.name]
         assert any(_says(word, field.default) for word in written), (field.name, written)
+
+
+@pytest.mark.parametrize("plugin", BUILT_IN, ids=lambda plugin: plugin.name)
+def test_the_page_of_a_tester_names_the_bounds_of_whole_numbers(
+    plugin: TesterPlugin[Any], repository: Path
+) -> None:
+    page = repository / "docs" / "reference" / "testers" / f"{plugin.name}.md"
+    rows = page.read_text().splitlines()
+    for one in describe_parameters(plugin.parameters):
+        if one.schema.get("type") == "integer":
+            bound = "[the budget](index.md#bounds) and " if "x-within-budget" in one.schema else ""
+            said = f"at most {bound}{one.schema['maximum']:,} |"
+            assert any(row.startswith(f"| `{one.name}` |") and said in row for row in rows), one
 
 
 def _says(word: str, default: object) -> bool:

@@ -154,7 +154,7 @@ def run_stored(
             raise
         except MemoryError as error:
             traceback.clear_frames(error.__traceback__)
-            message = out_of_memory(f"tester {record.tester!r}", TesterCall.MAKE)
+            message = out_of_memory(TesterCall.MAKE)
             journal.end(CampaignState.FAILED, message)
             raise CampaignError(message) from None
         except WorkersCannotStart as error:

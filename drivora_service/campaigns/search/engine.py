@@ -355,9 +355,7 @@ class Engine:
         except MemoryError as error:
             # What the tester's frames hold would leave no memory to store the failure.
             traceback.clear_frames(error.__traceback__)
-            raise PluginError(
-                out_of_memory(self._search.tester, call), cause="tester_out_of_memory", log=""
-            ) from None
+            raise PluginError(out_of_memory(call), cause="tester_out_of_memory", log="") from None
         except (Exception, SystemExit) as error:
             raise PluginError(
                 f"the {self._search.tester} raised {type(error).__name__} when it {call.words}: "

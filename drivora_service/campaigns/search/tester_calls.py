@@ -79,13 +79,13 @@ class CallMemory:
                     resource.setrlimit(resource.RLIMIT_DATA, (self._before, most))
 
 
-def out_of_memory(tester: str, call: TesterCall) -> str:
+def out_of_memory(call: TesterCall) -> str:
     """Returns the message for a tester that needed more memory than there is.
 
     Where the memory is limited, also gives the process a little room to store the message.
     """
     limit, most = resource.getrlimit(resource.RLIMIT_DATA)
-    where = f"the {tester} ran out of memory when it {call.words}"
+    where = f"its tester ran out of memory when it {call.words}"
     if limit == resource.RLIM_INFINITY:
         return f"{where}. Choose smaller parameters"
     with contextlib.suppress(ValueError, OSError):

@@ -47,9 +47,9 @@ def test_a_tester_that_takes_too_much_ends_its_campaign_and_no_other(
     messages = {name: service.until(FAILED, one).message for name, one in hungry.items()}
     for name in ("grow", "reserve"):
         assert messages[name] == (
-            f"the tester {name!r} of the package 'hostile-testers' ran out of memory when it was "
-            "asked; 512 MiB are allowed for a campaign's process. Choose smaller parameters, or "
-            "raise DRIVORA_CAMPAIGN_MEMORY_MB and resume the campaign"
+            "its tester ran out of memory when it was asked; 512 MiB are allowed for a campaign's "
+            "process. Choose smaller parameters, or raise DRIVORA_CAMPAIGN_MEMORY_MB and resume "
+            "the campaign"
         )
     assert "MiB, when its tester was asked; 512 MiB are allowed." in messages["map-pages"]
     assert messages["sleep"] == (
