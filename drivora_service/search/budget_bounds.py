@@ -55,40 +55,38 @@ def problems_of_tester(
     Yields:
         Problems with pointers that begin at the parameters: ``/population``.
     """
-    of = f"tester {plugin.name!r}"
-    found = parameter_problems(plugin.parameters, parameters, of=of)
-    yield from found
-    if budget is None:
-        return
-    beyond = tuple(_beyond_budget(plugin, parameters, budget, {p.pointer for p in found}))
-    yield from beyond
-    if not found and not beyond:
+    beyond = {} if budget is None else dict(_beyond_budget(plugin, parameters, budget))
+    found = parameter_problems(plugin.parameters, parameters, of=f"tester {plugin.name!r}")
+    # Where both bounds are exceeded, the one of the budget is the one that has to be met.
+    yield from (one for one in found if one.pointer not in beyond)
+    yield from beyond.values()
+    if budget is not None and not found and not beyond:
         yield from _own_problems(plugin, parameters, budget)
 
 
 def _beyond_budget(
-    plugin: TesterPlugin[Any], parameters: Mapping[str, Any], budget: int, known: set[str]
-) -> Iterator[Problem]:
+    plugin: TesterPlugin[Any], parameters: Mapping[str, Any], budget: int
+) -> Iterator[tuple[str, Problem]]:
     for one in describe_parameters(plugin.parameters):
-        value = parameters.get(one.name)
-        if not one.schema.get(_KEY) or f"/{one.name}" in known or not isinstance(value, int):
+        value, schema = parameters.get(one.name), one.schema
+        if not schema.get(_KEY) or not isinstance(value, int) or isinstance(value, bool):
             continue
         # A small campaign, for a trial, needs no other parameters than a large one.
-        most = max(budget, one.default)
-        if value > most:
-            least = one.schema.get("minimum", 0)
-            why = (
-                f"the budget is {budget} simulations for a seed scenario, and each of these "
-                "candidates is simulated"
-                if most == budget
-                else f"the default; the budget is {budget} simulations for a seed scenario"
-            )
-            yield Problem(
-                pointer=f"/{one.name}",
-                code="beyond_budget",
-                message=f"tester {plugin.name!r}: {one.name} is {value}; allowed: an integer from "
-                f"{least} to {most} ({why}). Use fewer, or a greater budget",
-            )
+        most = min(max(budget, one.default), schema["maximum"])
+        if value <= most:
+            continue
+        if most == budget:
+            why = "the budget of a seed scenario, as each of these candidates is simulated"
+        elif most == one.default:
+            why = f"the default; the budget of a seed scenario is {budget}"
+        else:
+            why = "whatever the budget"
+        message = (
+            f"tester {plugin.name!r}: {one.name} is {value}; allowed: an integer from "
+            f"{schema['minimum']} to {most} ({why})"
+        )
+        pointer = f"/{one.name}"
+        yield pointer, Problem(pointer=pointer, code="beyond_budget", message=message)
 
 
 def _own_problems(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 from sqlalchemy import make_url
 
+from drivora_service.campaigns.records import store_journal
 from drivora_service.campaigns.records.journal import Journal, MemoryJournal
 from drivora_service.campaigns.records.store_journal import StoreJournal
 from drivora_service.campaigns.search.confirmation import confirm_failures, group_failures
@@ -206,3 +208,36 @@ def test_a_command_takes_the_lost_lock_of_its_campaign_again(postgresql: Postgre
     for one in (database, other):
         one.close()
     postgresql.drop(url)
+
+
+def test_what_is_due_is_written_while_a_tester_works(
+    database: Database, records: list[EvaluationRecord], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(store_journal, "_LONGEST_WRITE_S", 0.02)
+    campaign_id = stored_id(database)
+    times = iter([0.0, 0.0, 100.0, 100.0, 100.0])
+    journal = StoreJournal(database, campaign_id, clock=lambda: next(times, 200.0))
+    with journal.written_meanwhile():
+        journal.append(records[0], "[]")
+        deadline = time.monotonic() + 30.0
+        while not count_stored(database, campaign_id):
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+    assert count_stored(database, campaign_id) == 1
+
+
+def test_what_cannot_be_written_meanwhile_is_a_fault_of_the_next_write(
+    database: Database, records: list[EvaluationRecord], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(store_journal, "_LONGEST_WRITE_S", 0.02)
+    journal = StoreJournal(database, stored_id(database), claim="lost")
+    with journal.written_meanwhile():
+        journal.append(records[0], "[]")
+        time.sleep(0.3)
+    with pytest.raises(Conflict):
+        journal.flush()
+
+
+def count_stored(database: Database, campaign_id: str) -> int:
+    with database.read() as transaction:
+        return len(transaction.evaluations.page(campaign_id, after=-1, limit=10))

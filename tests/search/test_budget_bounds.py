@@ -39,22 +39,24 @@ def test_what_is_simulated_may_not_exceed_the_budget() -> None:
     (found,) = problems_of_tester(SAMOTA, {"initial": 301}, 300)
     assert found.code == "beyond_budget"
     assert found.message == (
-        "tester 'samota': initial is 301; allowed: an integer from 1 to 300 (the budget is 300 "
-        "simulations for a seed scenario, and each of these candidates is simulated). Use fewer, "
-        "or a greater budget"
+        "tester 'samota': initial is 301; allowed: an integer from 1 to 300 (the budget of a seed "
+        "scenario, as each of these candidates is simulated)"
     )
     assert not list(problems_of_tester(SAMOTA, {"initial": 300}, 300))
 
 
 def test_a_population_has_a_bound_whatever_the_budget() -> None:
     (found,) = problems_of_tester(AVFUZZER, {"population": MOST_CANDIDATES + 1}, 10**6)
-    assert "allowed: an integer from 2 to 10000" in found.message
+    assert found.message.endswith("allowed: an integer from 2 to 10000 (whatever the budget)")
+    # A value beyond both bounds is told the one that it has to meet.
+    (found,) = problems_of_tester(AVFUZZER, {"population": 20_000_000}, 30)
+    assert "allowed: an integer from 2 to 30 (the budget" in found.message
 
 
 def test_the_default_is_allowed_with_a_smaller_budget() -> None:
     assert not list(problems_of_tester(SAMOTA, {"initial": 30}, 4))
     (found,) = problems_of_tester(SAMOTA, {"initial": 31}, 4)
-    assert "from 1 to 30 (the default; the budget is 4 simulations" in found.message
+    assert "from 1 to 30 (the default; the budget of a seed scenario is 4)" in found.message
 
 
 def test_a_campaign_of_an_earlier_version_is_not_compared_with_its_budget() -> None:

@@ -95,7 +95,7 @@ WRONG: dict[str, tuple[Change, str, str]] = {
     "a tester's parameter beyond all budgets": (
         put("tester", value={"name": "samota", "parameters": {"initial": 10**9}}),
         "/tester/parameters/initial",
-        "initial is 1000000000; allowed: an integer from 1 to 10000",
+        "initial is 1000000000; allowed: an integer from 1 to 30 (the default; ",
     ),
     "unknown mutation": (put("tester", "mutation", value="gauss"), "/tester/mutation", "nown:"),
     "unknown selection": (put("tester", "selection", value="best"), "/tester/selection", "nown:"),
@@ -492,5 +492,5 @@ def test_several_seed_scenarios_share_the_budget(
     assert read_campaign(content, catalogues).campaign.budget == budget
     one = content.pop("scenario")
     content["scenarios"] = [{"name": name, "scenario": one} for name in ("a", "b")]
-    with pytest.raises(InvalidDocument, match="the budget is 20 simulations for a seed scenario"):
+    with pytest.raises(InvalidDocument, match="an integer from 2 to 20 "):
         read_campaign(content, catalogues)
