@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,7 @@ from drivora_service.store.minimizations.minimization_records import (
     MinimizationState,
 )
 from drivora_service.store.minimizations.minimization_repository import ActiveMinimization
+from drivora_service.suites.minimization.abandonment import Abandoned, AbandonmentCheck
 
 if TYPE_CHECKING:
     from drivora_service.store.runs.run_records import RunRecord
@@ -76,6 +78,7 @@ class MinimizationRunner:
         self._woken = threading.Event()
         self._starting = threading.Lock()
         self._has_started = False
+        self._is_stopping = False
         self._thread = SupervisedThread(
             "minimizations", self._turn, explained=explained, on_fatal=on_fatal
         )
@@ -97,6 +100,7 @@ class MinimizationRunner:
 
     def stop(self) -> None:
         """Ends the thread; the minimisations of a service go on when it is started again."""
+        self._is_stopping = True
         self._thread.stop()
         self._woken.set()
         self._thread.join()
@@ -131,8 +135,8 @@ class MinimizationRunner:
             ended = self._take_reports(database, work)
             if ended or is_new:
                 self._advance(database, work)
-        except Conflict:
-            # It was cancelled meanwhile.
+        except (Abandoned, Conflict):
+            # It was cancelled meanwhile, or the process ends.
             self._leave(active.id)
         except StoreError:
             # It passes; what is not stored is asked for again.
@@ -166,7 +170,10 @@ class MinimizationRunner:
         from drivora_service.suites.minimization.proposal_checking import Checker
 
         agents = self._catalogues.agents
-        checker = Checker(self._catalogues.networks, agents.availability())
+        go_on = AbandonmentCheck(
+            lambda: self._is_stopping, partial(self._is_active, database, active.id)
+        )
+        checker = Checker(self._catalogues.networks, agents.availability(), go_on)
         with database.read() as transaction:
             original = _read_original(transaction, active.run_id)
             work = Work(active, checker, agents, self._trace_path, original=original)
@@ -176,6 +183,11 @@ class MinimizationRunner:
             )
         self._works[active.id] = work
         return work, True
+
+    def _is_active(self, database: Database, minimization_id: str) -> bool:
+        with database.read() as transaction:
+            active = transaction.minimizations.active(self._owner_id())
+        return any(one.id == minimization_id for one in active)
 
     def _take_reports(self, database: Database, work: Work) -> bool:
         """Tells a minimisation what has ended; returns whether anything has."""

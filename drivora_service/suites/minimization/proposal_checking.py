@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from drivora_service.errors import InvalidDocument
@@ -34,20 +34,27 @@ class CheckedDocument:
 class Checker:
     """Checks documents against the networks and agents of this installation."""
 
-    def __init__(self, networks: NetworkLookup, agents: Mapping[str, str]) -> None:
+    def __init__(
+        self,
+        networks: NetworkLookup,
+        agents: Mapping[str, str],
+        go_on: Callable[[], None] = lambda: None,
+    ) -> None:
         """Takes the catalogues.
 
         Args:
             networks: Road networks.
             agents: Agents, as for :func:`validate_document`.
+            go_on: Called before each document that is checked; raises if that is not wanted.
         """
-        self._networks, self._agents = networks, agents
+        self._networks, self._agents, self._go_on = networks, agents, go_on
         self._known: dict[str, CheckedDocument | None] = {}
 
     def __call__(self, document: ScenarioDocument) -> CheckedDocument | None:
         """Returns a document that can be run; ``None`` if it cannot."""
         key = document_text(document)
         if key not in self._known:
+            self._go_on()
             self._known[key] = self._validate(document)
         return self._known[key]
 
