@@ -93,6 +93,9 @@ def _adapter(type_: type[Any]) -> TypeAdapter[Any]:
     return TypeAdapter(type_)
 
 
+WITHIN_BUDGET = "x-within-budget"
+"""Key of the schema of a parameter that may not exceed the budget of simulations."""
+
 _NOT_TYPE = frozenset({"default", "title", "description"})
 _SHOWN = 60
 """Greatest number of characters of a value in a message."""
@@ -152,7 +155,8 @@ def describe_allowed_values(schema: Mapping[str, Any]) -> str:
         return list_names([json.dumps(one) for one in schema.get("enum", (schema.get("const"),))])
     match schema.get("type"):
         case "number" | "integer" as kind:
-            return _number_in_words("a number" if kind == "number" else "an integer", schema)
+            words = _number_in_words("a number" if kind == "number" else "an integer", schema)
+            return f"{words}, not above the budget" if schema.get(WITHIN_BUDGET) else words
         case "boolean":
             return "true or false"
         case "string":

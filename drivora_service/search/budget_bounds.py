@@ -14,7 +14,12 @@ from pydantic import Field
 
 from drivora_service.errors import DrivoraError, Problem
 from drivora_service.foreign_errors import exception_place
-from drivora_service.parameters import describe_parameters, parameter_problems, read_parameters
+from drivora_service.parameters import (
+    WITHIN_BUDGET,
+    describe_parameters,
+    parameter_problems,
+    read_parameters,
+)
 from drivora_service.search.plugin import TesterPlugin
 
 MOST_CANDIDATES = 10_000
@@ -24,8 +29,6 @@ fit the memory of an engine."""
 MANY = 1_000_000
 """Most generations, cycles or steps, which are counted one by one and take no memory: no campaign
 has more simulations."""
-
-_KEY = "x-within-budget"
 
 
 def within_budget(least: int, most: int = MOST_CANDIDATES) -> Any:
@@ -38,7 +41,7 @@ def within_budget(least: int, most: int = MOST_CANDIDATES) -> Any:
         least: Least value.
         most: Greatest value, whatever the budget.
     """
-    return Field(ge=least, le=most, json_schema_extra={_KEY: True})
+    return Field(ge=least, le=most, json_schema_extra={WITHIN_BUDGET: True})
 
 
 def problems_of_tester(
@@ -69,7 +72,7 @@ def _beyond_budget(
 ) -> Iterator[tuple[str, Problem]]:
     for one in describe_parameters(plugin.parameters):
         value, schema = parameters.get(one.name), one.schema
-        if not schema.get(_KEY) or not isinstance(value, int) or isinstance(value, bool):
+        if not schema.get(WITHIN_BUDGET) or not isinstance(value, int) or isinstance(value, bool):
             continue
         # A small campaign, for a trial, needs no other parameters than a large one.
         most = min(max(budget, one.default), schema["maximum"])

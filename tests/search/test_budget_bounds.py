@@ -10,7 +10,7 @@ import pytest
 from pydantic import Field
 
 from drivora_service.errors import Problem, SearchError
-from drivora_service.parameters import describe_parameters
+from drivora_service.parameters import describe_allowed_values, describe_parameters
 from drivora_service.search.budget_bounds import MOST_CANDIDATES, problems_of_tester, within_budget
 from drivora_service.search.catalogue import BUILT_IN
 from drivora_service.search.plugin import TesterPlugin
@@ -101,3 +101,13 @@ def test_a_check_that_raises_is_a_problem_of_its_plug_in() -> None:
     assert raised.code == refused.code == "plugin"
     assert "raised ZeroDivisionError when it checked its parameters" in raised.message
     assert refused.message == "no islands here"
+
+
+def test_the_allowed_values_name_the_budget() -> None:
+    allowed = {
+        one.name: describe_allowed_values(one.schema) for one in describe_parameters(Islands)
+    }
+    assert allowed == {
+        "islands": "an integer from 1 to 100",
+        "size": "an integer from 2 to 10000, not above the budget",
+    }

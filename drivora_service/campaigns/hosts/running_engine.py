@@ -58,7 +58,7 @@ class RunningEngine:
         self._setup, self._lock = setup, lock
         self._watch = EngineWatch(setup.limits, now=time.monotonic())
         self._asked_at: float | None = None
-        self._is_terminated = False
+        self._is_terminated = self._is_killed = False
 
     def hurry(self, request: CampaignRequest, now: float) -> None:
         """Ends a process that has not followed a request, as its tester may never return.
@@ -75,7 +75,7 @@ class RunningEngine:
         if self._asked_at is None:
             self._asked_at = now
         limits, waited = self._setup.limits, now - self._asked_at
-        if waited > limits.grace_s + limits.end_s:
+        if waited > limits.grace_s + limits.end_s and not self._is_killed:
             _log.warning("engine_killed", campaign=self.campaign_id, request=request)
             self._kill()
         elif waited > limits.grace_s and not self._is_terminated:
@@ -86,7 +86,7 @@ class RunningEngine:
     def check_limits(self, now: float) -> None:
         """Kills the process if it exceeds a limit, which is then its fault."""
         pid = self.process.pid
-        if pid is None or self.fault:
+        if pid is None or self._is_killed:
             return
         started = 0
         if list_children(pid) != []:
@@ -108,6 +108,7 @@ class RunningEngine:
 
     def _kill(self) -> None:
         """Kills a process that lives, with what it has started, which has its process group."""
+        self._is_killed = True
         pid = self.process.pid
         with contextlib.suppress(OSError):
             # Before it has made a group of its own, it is in that of the service.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import mmap
 import re
 import shutil
@@ -53,7 +54,9 @@ def sleep() -> None:
 
 def ignore() -> None:
     """Ignores the request to end, and every exception that is raised in it."""
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    # Not in a thread of a command.
+    with contextlib.suppress(ValueError):
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
     while True:
         try:
             loop()
