@@ -10,12 +10,13 @@ import pytest
 from pydantic import Field
 
 from drivora_service.errors import Problem, SearchError
+from drivora_service.feedback.measurement import FeedbackChoice
 from drivora_service.parameters import describe_allowed_values, describe_parameters
 from drivora_service.search.budget_bounds import MOST_CANDIDATES, problems_of_tester, within_budget
 from drivora_service.search.catalogue import BUILT_IN
 from drivora_service.search.plugin import TesterPlugin
 from drivora_service.search.testers.avfuzzer.search import AVFUZZER
-from drivora_service.search.testers.random_search import RANDOM
+from drivora_service.search.testers.random_search import RandomTester
 from drivora_service.search.testers.samota.tester import SAMOTA
 
 
@@ -74,7 +75,17 @@ def check_islands(parameters: Islands, budget: int) -> Iterator[Problem]:
         yield Problem(pointer="/islands", code="beyond_budget", message="too many")
 
 
-OWN = replace(RANDOM, name="islands", parameters=Islands, check=check_islands)
+OWN = TesterPlugin(
+    name="islands",
+    title="Islands",
+    description="has several populations",
+    source="the tests",
+    parameters=Islands,
+    feedback=FeedbackChoice(name="general"),
+    create=lambda context, _parameters, _components: RandomTester(context),
+    is_generational=True,
+    check=check_islands,
+)
 
 
 def test_a_plug_in_gets_the_same_and_may_check_several_parameters_together() -> None:

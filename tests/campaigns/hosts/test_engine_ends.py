@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -71,8 +72,7 @@ def test_a_request_is_followed_although_the_tester_never_comes_back(
     service.supervise().start()
     everyone = [*cancelled.values(), paused]
     for one in everyone:
-        board = service.setup.board(one)
-        wait_until(lambda board=board: read_board(board)[1] is TesterCall.ASK)
+        wait_until(partial(_is_asked, service, one))
     engines = [psutil.Process(service.engine_pid(one)) for one in everyone]
     begun = time.monotonic()
     for one in cancelled.values():
@@ -93,13 +93,17 @@ def test_the_service_ends_although_a_tester_never_comes_back(
     service.setup = _patient(service)
     campaign = service.post(content, tester="ignore")
     service.supervise().start()
-    wait_until(lambda: read_board(service.setup.board(campaign))[1] is TesterCall.ASK)
+    wait_until(partial(_is_asked, service, campaign))
     engine = psutil.Process(service.engine_pid(campaign))
     begun = time.monotonic()
     service.supervisor.stop()
     assert time.monotonic() - begun < 10.0
     assert not engine.is_running()
     assert service.record(campaign).state is CampaignState.RUNNING
+
+
+def _is_asked(service: Service, campaign_id: str) -> bool:
+    return read_board(service.setup.board(campaign_id))[1] is TesterCall.ASK
 
 
 def _patient(service: Service) -> EngineSetup:
