@@ -158,6 +158,7 @@ def create_service(
             "workers": "" if stopping.is_set() else dispatcher.fault,
             "campaigns": "" if stopping.is_set() else campaigns.fault or minimizations.fault,
             "accepting": "the service is being stopped" if stopping.is_set() else "",
+            "tokens": tokens.fault,
         }
 
     def drain(seconds: float) -> None:
@@ -195,7 +196,7 @@ def create_service(
         revision=database.changes.value,
         catalogues=catalogues,
         tokens=tokens,
-        sessions=None if tokens is None else SessionFile(settings.sessions_path, tokens),
+        sessions=SessionFile(settings.sessions_path, tokens),
         limits=Limits(
             body_bytes=int(settings.max_body_mb * (1 << 20)),
             network_bytes=int(settings.max_network_mb * (1 << 20)),
@@ -249,14 +250,27 @@ def _engine_setup(settings: Settings) -> EngineSetup:
     )
 
 
-def _tokens(settings: Settings) -> TokenFile | None:
-    if settings.listens_on_loopback and not settings.require_tokens:
-        return None
-    tokens = TokenFile(settings.tokens_path)
-    if not tokens.all():
+def _tokens(settings: Settings) -> TokenFile:
+    """Returns the tokens of a service; one that needs tokens and has none is refused."""
+    always = settings.require_tokens or not settings.listens_on_loopback
+    tokens = TokenFile(settings.tokens_path, always_needed=always)
+    make = f"`drivora tokens create NAME --data-dir {settings.data_dir}`"
+    if not tokens.are_needed:
+        _log.warning(
+            "no_api_tokens",
+            advice="all users and programs of this machine may do everything; "
+            f"{make} makes a token, and every request needs one from then on",
+        )
+    elif not tokens.all():
+        if not settings.listens_on_loopback:
+            reason, other = f"listening on {settings.host}", "listen on 127.0.0.1"
+        elif settings.require_tokens:
+            reason, other = "DRIVORA_REQUIRE_TOKENS", "unset it"
+        else:
+            reason = f"{settings.tokens_path}, whose tokens were all revoked,"
+            other = "remove that file to let all users of this machine in"
         raise ConfigurationError(
-            f"listening on {settings.host} needs API tokens, and there are none: make one with "
-            f"`drivora tokens create NAME --data-dir {settings.data_dir}`, or listen on 127.0.0.1"
+            f"{reason} needs API tokens, and there are none: make one with {make}, or {other}"
         )
     return tokens
 

@@ -30,6 +30,7 @@ The tree::
     │   ├── RequestConflict    the request conflicts with its stored state
     │   └── ServiceUnavailable it did not answer, or cannot answer at the moment
     └── ConfigurationError     a setting cannot be used
+        └── CredentialsUnusable  the file of the API tokens or of the sessions cannot be used
 """
 
 from __future__ import annotations
@@ -304,3 +305,7 @@ class ServiceUnavailable(ServiceError):
 
 class ConfigurationError(DrivoraError):
     """A setting cannot be used."""
+
+
+class CredentialsUnusable(ConfigurationError):
+    """The file of the API tokens or of the sessions cannot be read or written."""

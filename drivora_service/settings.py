@@ -65,7 +65,9 @@ class Settings(BaseSettings):
         "of the public address, or the root of the host.",
     )
     require_tokens: bool = Field(
-        default=False, description="Require an API token on loopback, too."
+        default=False,
+        description="Require an API token on loopback also if none was made; the service then "
+        "does not start without one.",
     )
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1,

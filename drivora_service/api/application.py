@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import AbstractAsyncContextManager
 from importlib.metadata import version
+from typing import Any
 
-from fastapi import FastAPI
+from fastapi import FastAPI, Request, Response
 from fastapi.responses import HTMLResponse
 from starlette.routing import BaseRoute
 
@@ -16,18 +17,23 @@ from drivora_service.api.documentation.docs_page import docs_page
 from drivora_service.api.documentation.openapi import install_openapi
 from drivora_service.api.guards.answer_memory import AnswerMemory
 from drivora_service.api.guards.body_limit import BodyLimit
+from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.guards.load_guard import LoadGuard
 from drivora_service.api.guards.method_table import HeadAsGet, MethodTable
 from drivora_service.api.guards.origin_guard import OriginGuard
 from drivora_service.api.guards.path_prefix import PathPrefix
 from drivora_service.api.guards.request_times import RequestTimes, TimedRequests
+from drivora_service.api.guards.security_headers import SecurityHeaders
 from drivora_service.api.guards.write_gate import WriteGate
 from drivora_service.api.problem_details import install_problem_handlers
 from drivora_service.api.routes_on_demand import Resources, ResourcesOnDemand
 from drivora_service.api_paths import PREFIX
 from drivora_service.studies.coverage.coverage_memory import CoverageMemory
 
-_NOTHING = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+_NOTHING = (
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'"
+)
 """Content security policy of the page of the API."""
 
 Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
@@ -51,7 +57,8 @@ def create_api(
     api = FastAPI(
         title="Drivora",
         version=version("drivora"),
-        openapi_url=f"{PREFIX}/openapi.json",
+        # FastAPI's own is without an `ETag`; it is written here.
+        openapi_url=None,
         # FastAPI's pages load their scripts from elsewhere; /docs is written here.
         docs_url=None,
         redoc_url=None,
@@ -70,6 +77,10 @@ def create_api(
     else:
         resources.add_all()
 
+    @api.get(f"{PREFIX}/openapi.json", include_in_schema=False)
+    def openapi(request: Request) -> Response:
+        return json_answer(request, dict[str, Any], api.openapi())
+
     @api.get("/docs", include_in_schema=False)
     def docs() -> HTMLResponse:
         return HTMLResponse(docs_page(api.openapi()), headers={"Content-Security-Policy": _NOTHING})
@@ -77,7 +88,11 @@ def create_api(
     api.router.routes.extend(page)
     methods.add(api.routes)
     install_problem_handlers(api, methods)
-    install_openapi(api, tokens_needed=context.tokens is not None, root_path=context.root_path)
+    install_openapi(
+        api,
+        tokens_needed=lambda: context.needed_tokens is not None,
+        root_path=context.root_path,
+    )
     # The last added is the outermost.
     api.add_middleware(HeadAsGet)
     api.add_middleware(WriteGate, storage_fault=context.storage_fault, stopping=context.stopping)
@@ -91,10 +106,11 @@ def create_api(
     api.add_middleware(
         AnswerMemory,
         version=lambda: _state_of_answers(context),
-        tokens=context.tokens,
+        tokens=lambda: context.needed_tokens,
         sessions=context.sessions,
     )
-    api.add_middleware(OriginGuard, local_names_only=context.tokens is None)
+    api.add_middleware(OriginGuard, is_open=lambda: context.needed_tokens is None)
+    api.add_middleware(SecurityHeaders)
     # Outside of all others, so that it sees what they refuse.
     api.add_middleware(TimedRequests, times=times)
     if context.root_path:

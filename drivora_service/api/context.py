@@ -54,7 +54,7 @@ class ApiContext:
         revision: Returns another number after each change of the database, without waiting;
             ``None``: not known.
         catalogues: Catalogues for the names in documents.
-        tokens: API tokens; ``None``: no token is needed.
+        tokens: API tokens; ``None``: no token is ever needed.
         sessions: Sessions of web pages, which begin with a token; ``None``: there are none.
         trace_path: Returns the path of a run's trace, by the run's id.
         gene_spaces: Names the genes of campaigns.
@@ -114,6 +114,11 @@ class ApiContext:
             StoreError: It cannot be used.
         """
         return self.opened()
+
+    @property
+    def needed_tokens(self) -> TokenFile | None:
+        """The API tokens if a request needs one at the moment, else ``None``."""
+        return self.tokens if self.tokens is not None and self.tokens.are_needed else None
 
     @property
     def networks(self) -> NetworkCatalogue:

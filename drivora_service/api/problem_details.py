@@ -21,6 +21,7 @@ from drivora_service.errors import (
     AmbiguousName,
     CampaignError,
     Conflict,
+    CredentialsUnusable,
     DrivoraError,
     InvalidDocument,
     NetworkError,
@@ -33,6 +34,7 @@ from drivora_service.errors import (
     TraceDamaged,
     UnknownName,
 )
+from drivora_service.fault_log import FaultLog
 
 MEDIA_TYPE = "application/problem+json"
 _MAX_PROBLEMS = 200
@@ -106,7 +108,12 @@ def problem_response(
         problems=problem_items(problems),
     )
     return JSONResponse(
-        body.model_dump(), status_code=status.value, headers=headers, media_type=MEDIA_TYPE
+        body.model_dump(),
+        status_code=status.value,
+        # Also here: the answer to an unexpected error, or to an overload, passes no middleware.
+        headers={"X-Content-Type-Options": "nosniff", "Cache-Control": "no-store"}
+        | (headers or {}),
+        media_type=MEDIA_TYPE,
     )
 
 
@@ -117,12 +124,19 @@ def json_pointer(location: tuple[int | str, ...]) -> str:
 
 def install_problem_handlers(api: FastAPI, methods: MethodTable) -> None:
     """Turns every exception that can leave an endpoint into problem details."""
+    faults = FaultLog(structlog.get_logger(__name__))
+
+    def answer(request: Request, error: Exception) -> Response:
+        if isinstance(error, CredentialsUnusable):
+            # Every request meets it.
+            faults.error("credentials_unusable", problem=str(error))
+        return _answer(request, error)
 
     def http_answer(request: Request, error: Exception) -> Response:
         return _http_answer(request, error, methods)
 
     for kind in (ApiError, DrivoraError, RequestValidationError, Exception):
-        api.add_exception_handler(kind, _answer)
+        api.add_exception_handler(kind, answer)
     api.add_exception_handler(HTTPException, http_answer)
 
 
@@ -172,6 +186,14 @@ def _answer(request: Request, error: Exception) -> Response:
             headers = {"Retry-After": _UNAVAILABLE_S}
             return problem_response(
                 HTTPStatus.SERVICE_UNAVAILABLE, str(error), instance=path, headers=headers
+            )
+        case CredentialsUnusable():
+            return problem_response(
+                HTTPStatus.SERVICE_UNAVAILABLE,
+                "the service cannot read or write its API tokens or sessions; its log says which "
+                "file, and what to do",
+                instance=path,
+                headers={"Retry-After": _UNAVAILABLE_S},
             )
         case NetworkError() | CampaignError():
             return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, str(error), instance=path)

@@ -50,6 +50,7 @@ from drivora_service.cli.suites import suite_commands
 from drivora_service.cli.terminal.file_errors import describe_file_error
 from drivora_service.cli.terminal.interruption import end_interrupted
 from drivora_service.cli.terminal.output import fail, note, say
+from drivora_service.cli.terminal.process_limits import describe_shortage
 from drivora_service.cli.terminal.verbosity import (
     ADVICE,
     is_verbose,
@@ -81,8 +82,9 @@ class Commands(typer.Typer):
         except DrivoraError as error:
             _report(error)
             raise SystemExit(ExitCode.NOT_DONE) from error
-        except OSError as error:
-            message = describe_file_error(error)
+        except (OSError, MemoryError, RuntimeError) as error:
+            file_message = describe_file_error(error) if isinstance(error, OSError) else ""
+            message = file_message or describe_shortage(error)
             if not message:
                 raise
             fail(message)

@@ -153,6 +153,11 @@ def _refusal(reply: Reply, service: Service) -> DrivoraError:
             status=reply.status,
         )
     said = details.detail
+    if reply.status == HTTPStatus.UNAUTHORIZED:
+        said += (
+            "; set DRIVORA_TOKEN to a token, which `drivora tokens create NAME` makes on the "
+            "machine of the service"
+        )
     return kind(said if service.is_local else f"the service refused: {said}", status=reply.status)
 
 

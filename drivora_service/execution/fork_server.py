@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import multiprocessing
 import os
 import signal
@@ -34,6 +35,9 @@ ENVIRONMENT = {
 }
 """Environment variables with which every process must be started."""
 
+_SHORT = (errno.EAGAIN, errno.EMFILE, errno.ENFILE, errno.ENOMEM)
+"""Of a limit of processes, open files or memory."""
+
 _LONGEST_FOLDER = 75
 """Characters of a path in which a socket of multiprocessing (32 more) fits the 107 of Linux."""
 
@@ -58,6 +62,7 @@ def prepare_processes(*, preloaded: bool = True) -> None:
 
     Raises:
         ConfigurationError: Its socket cannot be made in the folder of temporary files.
+        OSError: The system gives no process, no file or no memory.
     """
     os.environ.update(ENVIRONMENT)
     forkserver.set_forkserver_preload(["__main__", *([_PRELOADED] if preloaded else [])])
@@ -65,6 +70,9 @@ def prepare_processes(*, preloaded: bool = True) -> None:
         with _ignored_interrupts():
             forkserver.ensure_running()
     except OSError as error:
+        if error.errno in _SHORT:
+            # Of no fault of the folder; the command says what helps.
+            raise
         raise ConfigurationError(
             f"no worker process can be started from the folder of temporary files, "
             f"{tempfile.gettempdir()}: {error}. Set TMPDIR to a folder that can be written, with "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from fastapi import FastAPI
@@ -202,50 +202,59 @@ def study_body(example: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def install_openapi(api: FastAPI, *, tokens_needed: bool, root_path: str = "") -> None:
+def install_openapi(
+    api: FastAPI, *, tokens_needed: Callable[[], bool], root_path: str = ""
+) -> None:
     """Replaces the application's ``openapi`` by one that returns the complete document.
 
     Args:
         api: With all its routes.
-        tokens_needed: Whether this installation refuses requests without a token.
+        tokens_needed: Returns whether this installation refuses requests without a token at the
+            moment.
         root_path: Path that all paths are below; "": the root of the host.
     """
+    built: dict[bool, dict[str, Any]] = {}
 
     def build() -> dict[str, Any]:
-        if api.openapi_schema is None:
-            document = get_openapi(
-                title=api.title,
-                version=api.version,
-                description=_DESCRIPTION,
-                routes=api.routes,
-                servers=[{"url": root_path}] if root_path else None,
-            )
-            _unpack_examples(document["paths"])
-            add_links(document["paths"])
-            if not tokens_needed:
-                _make_tokens_optional(document["paths"])
-            schemas = document.setdefault("components", {}).setdefault("schemas", {})
-            for model in (
-                ScenarioDocument,
-                CampaignDocument,
-                StudyDocument,
-                LabelledScenario,
-                problem_details.ProblemDetails,
-            ):
-                schema = model.model_json_schema(ref_template=_SCHEMAS + "{model}")
-                schemas.update(schema.pop("$defs", {}))
-                schemas[model.__name__] = schema
-            # The document is checked by the scenario room, so that its type is not in the model.
-            schemas["LabelledScenario"]["properties"]["scenario"] = _SCENARIO_REF
-            for kind in _EVENTS.values():
-                schema = TypeAdapter(kind).json_schema(ref_template=_SCHEMAS + "{model}")
-                schemas.update(schema.pop("$defs", {}))
-                schemas[kind.__name__] = schema
-            _simplify(document)
-            api.openapi_schema = document
-        return api.openapi_schema
+        needed = tokens_needed()
+        if needed not in built:
+            built[needed] = _build_document(api, tokens_needed=needed, root_path=root_path)
+        return built[needed]
 
     api.openapi = build  # type: ignore[method-assign] # FastAPI's own way to extend the document
+
+
+def _build_document(api: FastAPI, *, tokens_needed: bool, root_path: str) -> dict[str, Any]:
+    document = get_openapi(
+        title=api.title,
+        version=api.version,
+        description=_DESCRIPTION,
+        routes=api.routes,
+        servers=[{"url": root_path}] if root_path else None,
+    )
+    _unpack_examples(document["paths"])
+    add_links(document["paths"])
+    if not tokens_needed:
+        _make_tokens_optional(document["paths"])
+    schemas = document.setdefault("components", {}).setdefault("schemas", {})
+    for model in (
+        ScenarioDocument,
+        CampaignDocument,
+        StudyDocument,
+        LabelledScenario,
+        problem_details.ProblemDetails,
+    ):
+        schema = model.model_json_schema(ref_template=_SCHEMAS + "{model}")
+        schemas.update(schema.pop("$defs", {}))
+        schemas[model.__name__] = schema
+    # The document is checked by the scenario room, so that its type is not in the model.
+    schemas["LabelledScenario"]["properties"]["scenario"] = _SCENARIO_REF
+    for kind in _EVENTS.values():
+        schema = TypeAdapter(kind).json_schema(ref_template=_SCHEMAS + "{model}")
+        schemas.update(schema.pop("$defs", {}))
+        schemas[kind.__name__] = schema
+    _simplify(document)
+    return document
 
 
 def _with_errors(

@@ -14,7 +14,7 @@ from drivora_service.api.guards.api_tokens import TokenFile
 from drivora_service.api.guards.load_guard import EVENTS_PATH, HEALTH_PATHS
 from drivora_service.api.guards.page_sessions import SessionFile, session_secret, token_of
 from drivora_service.api_paths import PREFIX
-from drivora_service.errors import ConfigurationError
+from drivora_service.errors import CredentialsUnusable
 
 MOST_BYTES = 64 << 10
 """Of one answer."""
@@ -63,7 +63,7 @@ class AnswerMemory:
         app: ASGIApp,
         *,
         version: Callable[[], int | None],
-        tokens: TokenFile | None,
+        tokens: Callable[[], TokenFile | None],
         sessions: SessionFile | None = None,
     ) -> None:
         """Creates the middleware around an application, with an empty memory.
@@ -72,7 +72,7 @@ class AnswerMemory:
             app: What answers.
             version: Returns another number after each change of the database, without waiting;
                 ``None`` where it cannot be told: then nothing is kept.
-            tokens: API tokens; ``None``: no token is needed.
+            tokens: Returns the API tokens; ``None`` while no token is needed.
             sessions: Sessions of web pages, if there are any.
         """
         self._app, self._version = app, version
@@ -108,8 +108,9 @@ class AnswerMemory:
         if "content-length" in headers or "transfer-encoding" in headers:
             return None
         authorization, session = headers.get("authorization", ""), ""
-        if self._tokens is not None:
-            if not _is_known(self._tokens, self._sessions, headers):
+        tokens = self._tokens()
+        if tokens is not None:
+            if not _is_known(tokens, self._sessions, headers):
                 return None
             session = session_secret(headers)
         known = headers.get("if-none-match", "")
@@ -162,7 +163,7 @@ class AnswerMemory:
 def _is_known(tokens: TokenFile, sessions: SessionFile | None, headers: Headers) -> bool:
     try:
         return token_of(tokens, sessions, headers) is not None
-    except ConfigurationError:
+    except CredentialsUnusable:
         # The application tells the client, in the form of all errors.
         return False
 

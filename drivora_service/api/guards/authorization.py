@@ -10,13 +10,13 @@ from fastapi.security import APIKeyCookie, HTTPBearer
 
 from drivora_service.api.context import context_of
 from drivora_service.api.guards.api_tokens import Scope
-from drivora_service.api.guards.page_sessions import COOKIE, token_of
+from drivora_service.api.guards.page_sessions import COOKIE, credential_of, token_of
 from drivora_service.api.problem_details import ApiError
 
 _bearer = HTTPBearer(
     auto_error=False,
     scheme_name="token",
-    description="An API token (`drivora tokens create`); not asked for on loopback.",
+    description="An API token (`drivora tokens create`); needed once one was made.",
 )
 
 _session = APIKeyCookie(
@@ -42,17 +42,19 @@ Documented = Annotated[None, Depends(_declare_schemes)]
 
 def _require(request: Request, scope: Scope) -> None:
     context = context_of(request)
-    if context.tokens is None:
+    tokens = context.needed_tokens
+    if tokens is None:
         return
-    token = token_of(context.tokens, context.sessions, request.headers)
-    if token is None:
+    credential = credential_of(tokens, context.sessions, request.headers)
+    if credential is None:
         raise ApiError(
             HTTPStatus.UNAUTHORIZED,
             "an API token is needed: Authorization: Bearer …",
             headers={"WWW-Authenticate": "Bearer"},
         )
-    if "authorization" not in request.headers and request.method not in _SAFE_METHODS:
+    if credential.is_session and request.method not in _SAFE_METHODS:
         _refuse_other_pages(request)
+    token = credential.token
     if token.scope < scope:
         raise ApiError(
             HTTPStatus.FORBIDDEN,
@@ -78,9 +80,8 @@ def _refuse_other_pages(request: Request) -> None:
 def is_valid(request: Request) -> bool:
     """Returns whether a request that was let pass would be let pass now."""
     context = context_of(request)
-    if context.tokens is None:
-        return True
-    return token_of(context.tokens, context.sessions, request.headers) is not None
+    tokens = context.needed_tokens
+    return tokens is None or token_of(tokens, context.sessions, request.headers) is not None
 
 
 async def reader(request: Request, _: Documented) -> None:

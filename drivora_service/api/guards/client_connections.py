@@ -163,6 +163,7 @@ class BoundedConnection(H11Protocol):
                     (b"content-type", MEDIA_TYPE.encode()),
                     (b"content-length", str(len(body)).encode()),
                     (b"connection", b"close"),
+                    (b"x-content-type-options", b"nosniff"),
                 ],
             )
             for event in (head, h11.Data(data=body), h11.EndOfMessage()):

@@ -7,11 +7,11 @@ a hash, as tokens are.
 from __future__ import annotations
 
 import hashlib
-import os
 import secrets
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -20,7 +20,8 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from starlette.datastructures import Headers
 
 from drivora_service.api.guards.api_tokens import StoredToken, TokenFile
-from drivora_service.errors import ConfigurationError
+from drivora_service.api.guards.secret_files import FileVersion, write_secret_file
+from drivora_service.errors import CredentialsUnusable, StoreError
 
 COOKIE = "drivora_session"
 """Name of the cookie with the secret of a session."""
@@ -42,8 +43,6 @@ class StoredSession(BaseModel):
 
 
 _SESSIONS = TypeAdapter(list[StoredSession])
-_NO_VERSION = (0, 0)
-"""Of a file that does not exist."""
 
 
 class SessionFile:
@@ -61,13 +60,13 @@ class SessionFile:
         # Servers that share the folder begin and end sessions in turn.
         self._writing = UnixFileLock(path.with_suffix(".lock"), thread_local=False, mode=0o600)
         self._loaded: dict[str, StoredSession] = {}
-        self._version = _NO_VERSION
+        self._version: FileVersion | None = None
 
     def begin(self, token: StoredToken) -> str:
         """Adds a new session and returns its secret, which is not kept.
 
         Raises:
-            ConfigurationError: The file cannot be read or written.
+            CredentialsUnusable: The file cannot be read or written.
         """
         secret = secrets.token_urlsafe(32)
         session = StoredSession(
@@ -87,7 +86,7 @@ class SessionFile:
         """Ends a session, if it is one of ours.
 
         Raises:
-            ConfigurationError: The file cannot be read or written.
+            CredentialsUnusable: The file cannot be read or written.
         """
         with self._lock, self._turn():
             sessions = self._sessions()
@@ -98,7 +97,7 @@ class SessionFile:
         """Returns the token of a session; ``None``: it has ended, or is not one of ours.
 
         Raises:
-            ConfigurationError: The file cannot be read.
+            CredentialsUnusable: The file cannot be read.
         """
         with self._lock:
             session = self._sessions().get(_hash(secret))
@@ -115,42 +114,35 @@ class SessionFile:
         except FileNotFoundError:
             found = []
         except (OSError, ValidationError) as error:
-            raise ConfigurationError(
+            raise CredentialsUnusable(
                 f"{self._path} cannot be used: {error}; removing it ends all sessions of pages"
             ) from error
         self._loaded = {session.sha256: session for session in found}
         self._version = version
         return self._loaded
 
-    def _version_of_file(self) -> tuple[int, int]:
+    def _version_of_file(self) -> FileVersion | None:
         try:
-            status = self._path.stat()
-        except FileNotFoundError:
-            return _NO_VERSION
+            return FileVersion.of(self._path)
         except OSError as error:
-            raise ConfigurationError(f"{self._path} cannot be used: {error}") from error
-        return status.st_mtime_ns, status.st_ino
+            raise CredentialsUnusable(f"{self._path} cannot be used: {error}") from error
 
     @contextmanager
     def _turn(self) -> Iterator[None]:
         try:
             self._writing.acquire()
         except OSError as error:
-            raise ConfigurationError(f"{self._path} cannot be written: {error}") from error
+            raise CredentialsUnusable(f"{self._path} cannot be written: {error}") from error
         try:
             yield
         finally:
             self._writing.release()
 
     def _write(self, sessions: list[StoredSession]) -> None:
-        temporary = self._path.with_suffix(".new")
         try:
-            descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
-            with os.fdopen(descriptor, "wb") as file:
-                file.write(_SESSIONS.dump_json(sessions, indent=2))
-            temporary.replace(self._path)
-        except OSError as error:
-            raise ConfigurationError(f"{self._path} cannot be written: {error}") from error
+            write_secret_file(self._path, _SESSIONS.dump_json(sessions, indent=2))
+        except StoreError as error:
+            raise CredentialsUnusable(str(error)) from error
         self._loaded = {session.sha256: session for session in sessions}
         self._version = self._version_of_file()
 
@@ -166,19 +158,48 @@ def session_secret(headers: Headers) -> str:
     return ""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Credential:
+    """What a request proves.
+
+    Attributes:
+        token: The token that it carries, or with which its session began.
+        is_session: Whether it came as a cookie, which browsers send by themselves.
+    """
+
+    token: StoredToken
+    is_session: bool
+
+
+def credential_of(
+    tokens: TokenFile, sessions: SessionFile | None, headers: Headers
+) -> Credential | None:
+    """Returns what a request proves; a token that it carries counts before a session.
+
+    Other kinds of authorisation than ``Bearer`` count for nothing: they may be for a proxy.
+
+    Raises:
+        CredentialsUnusable: The file of the tokens or of the sessions cannot be used.
+    """
+    kind, _, secret = headers.get("authorization", "").partition(" ")
+    if kind.lower() == "bearer":
+        token = tokens.find(secret.strip())
+        return None if token is None else Credential(token=token, is_session=False)
+    session = session_secret(headers)
+    token = sessions.find(session) if session and sessions is not None else None
+    return None if token is None else Credential(token=token, is_session=True)
+
+
 def token_of(
     tokens: TokenFile, sessions: SessionFile | None, headers: Headers
 ) -> StoredToken | None:
     """Returns the token with which a request comes; one that it carries counts before a session.
 
     Raises:
-        ConfigurationError: The file of the tokens or of the sessions cannot be used.
+        CredentialsUnusable: The file of the tokens or of the sessions cannot be used.
     """
-    kind, _, secret = headers.get("authorization", "").partition(" ")
-    if kind.lower() == "bearer":
-        return tokens.find(secret.strip())
-    session = session_secret(headers)
-    return sessions.find(session) if session and sessions is not None else None
+    credential = credential_of(tokens, sessions, headers)
+    return None if credential is None else credential.token
 
 
 def _hash(secret: str) -> str:

@@ -48,7 +48,7 @@ async def begin_session(request: Request, context: Context, given: SessionReques
     14 days, outlasts restarts of the service, and ends with its token. Wrong tokens are answered
     slowly.
     """
-    tokens, sessions = context.tokens, context.sessions
+    tokens, sessions = context.needed_tokens, context.sessions
     if tokens is None or sessions is None:
         raise ApiError(HTTPStatus.CONFLICT, "this service needs no token, and so no session")
     token = tokens.find(given.token)
@@ -72,9 +72,10 @@ async def begin_session(request: Request, context: Context, given: SessionReques
 async def get_session(request: Request, context: Context, response: Response) -> SessionState:
     """Returns what the client may do, also to one without a token."""
     response.headers.update(_NOT_STORED)
-    if context.tokens is None:
+    tokens = context.needed_tokens
+    if tokens is None:
         return SessionState(tokens_needed=False, scope="admin", name=None)
-    token = token_of(context.tokens, context.sessions, request.headers)
+    token = token_of(tokens, context.sessions, request.headers)
     return SessionState(
         tokens_needed=True,
         scope=None if token is None else _SCOPES[token.scope],

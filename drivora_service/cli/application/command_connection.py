@@ -124,6 +124,9 @@ def _open_in_process(
 ) -> Iterator[Client]:
     with contextlib.ExitStack() as stack:
         if works and settings.executor == "local":
+            from drivora_service.cli.terminal.process_limits import check_process_limits
+
+            check_process_limits()
             from drivora_service.cli.terminal.start_progress import start_progress
             from drivora_service.execution.fork_server import prepare_processes
 

@@ -13,8 +13,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from drivora_service.api.guards.api_tokens import Scope, TokenFile
+from drivora_service.cli.application.installation import settings_for
 from drivora_service.client import Client
-from drivora_service.errors import ServiceError, ServiceUnavailable
+from drivora_service.errors import ServiceError, ServiceUnavailable, UnknownName
 
 _START_S = 180.0
 """A fresh installation compiles first, which takes a busy machine more than a minute."""
@@ -27,6 +29,8 @@ _OWN_SETTINGS = {
     "DRIVORA_PUBLIC_URL": "",
     "DRIVORA_ROOT_PATH": "",
 }
+_OWN_TOKEN = "drivora demo"
+"""Name of the token of a command."""
 
 
 @contextmanager
@@ -67,6 +71,31 @@ def run_service(
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+
+
+@contextmanager
+def own_token(data_dir: Path) -> Iterator[str | None]:
+    """Yields a token of its own for a command, for as long as the command needs it.
+
+    It is ``None`` where the service of a data folder needs no token.
+
+    Raises:
+        CredentialsUnusable: The tokens of the data folder cannot be read.
+        StoreError: They cannot be written.
+    """
+    settings = settings_for(data_dir)
+    tokens = TokenFile(settings.tokens_path, always_needed=settings.require_tokens)
+    if not tokens.are_needed:
+        yield None
+        return
+    # One that a killed command has left; its secret is lost.
+    with contextlib.suppress(UnknownName):
+        tokens.revoke(_OWN_TOKEN)
+    try:
+        yield tokens.create(_OWN_TOKEN, Scope.ADMIN)
+    finally:
+        with contextlib.suppress(UnknownName):
+            tokens.revoke(_OWN_TOKEN)
 
 
 def _open_private(path: str, flags: int) -> int:

@@ -153,19 +153,22 @@ def check_tokens(settings: Settings) -> Iterator[Finding]:
     from drivora_service.api.guards.api_tokens import TokenFile
 
     path = settings.tokens_path
-    tokens = TokenFile(path).all()
-    needed = settings.require_tokens or not settings.listens_on_loopback
-    if needed and not tokens:
-        yield problem(
-            "tokens",
-            f"none, and a service at {settings.host} needs one",
-            "`drivora tokens create NAME --scope admin`",
-        )
+    always = settings.require_tokens or not settings.listens_on_loopback
+    file = TokenFile(path, always_needed=always)
+    if file.fault:
+        yield problem("tokens", file.fault, "`drivora tokens list` reads the file, too")
+        return
+    tokens = file.all()
+    if file.are_needed and not tokens:
+        why = f"a service at {settings.host} needs one" if always else "all were revoked"
+        yield problem("tokens", f"none, and {why}", "`drivora tokens create NAME --scope admin`")
         return
     if path.is_file() and path.stat().st_mode & 0o077:
         yield noted("tokens", f"other users can read {path}", f"chmod 600 {path}")
     scopes = sorted(token.scope.name.lower() for token in tokens)
-    yield ok("tokens", ", ".join(scopes) if tokens else "none; none is needed on loopback")
+    yield ok(
+        "tokens", ", ".join(scopes) if tokens else "none; none is needed until the first is made"
+    )
 
 
 def check_port(settings: Settings) -> Iterator[Finding]:

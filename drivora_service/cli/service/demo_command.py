@@ -38,7 +38,7 @@ def demo(
     # Before the other imports, which take seconds in a new installation.
     note(f"generating {num} scenarios on {town}")
     from drivora_service.cli.application.command_connection import interrupt_on_sigterm
-    from drivora_service.cli.application.service_process import run_service
+    from drivora_service.cli.application.service_process import own_token, run_service
     from drivora_service.cli.service.demo_campaign import run_demo_campaign
     from drivora_service.cli.service.first_verdict import print_first_verdict
     from drivora_service.cli.terminal.start_progress import start_progress
@@ -58,8 +58,9 @@ def demo(
     with (
         interrupt_on_sigterm(),
         start_progress(),
+        own_token(data_dir) as token,
         run_service(data_dir, workers=workers, meanwhile=judge_first) as url,
-        Client(url) as client,
+        Client(url, token=token) as client,
     ):
         note(f"the service runs at {url} with {workers} workers; a browser shows its page there")
         runs = _run_scenarios(client, seeds)

@@ -36,6 +36,9 @@ def serve(
     Running runs may end then, for DRIVORA_DRAIN_S seconds; a second signal ends it at once.
     """
     from drivora_service.cli.terminal.private_files import keep_files_private
+    from drivora_service.cli.terminal.process_limits import check_process_limits
+
+    check_process_limits()
     from drivora_service.execution.fork_server import prepare_processes
 
     keep_files_private()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,14 +10,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drivora_service.cli.terminal.options import DataDirOption
-from drivora_service.cli.terminal.output import JsonOption, print_json, print_table, say
+from drivora_service.cli.terminal.output import JsonOption, note, print_json, print_table, say
 from drivora_service.cli.terminal.output_forms import TABLE, Form, with_forms
+from drivora_service.errors import StoreError
 
 if TYPE_CHECKING:
     from drivora_service.api.guards.api_tokens import TokenFile
 
 app = typer.Typer(
-    help="API tokens, needed when the service listens beyond loopback.", no_args_is_help=True
+    help="API tokens; once one was made, every request to the service needs one.",
+    no_args_is_help=True,
 )
 
 
@@ -40,11 +43,28 @@ def create(
     from drivora_service.cli.terminal.private_files import keep_files_private
 
     keep_files_private()
-    secret = _tokens(data_dir).create(name, Scope[scope.name])
-    if as_json:
-        print_json({"name": name, "scope": scope.value, "token": secret})
-    else:
-        say(secret)
+    tokens = _tokens(data_dir)
+    was_needed = tokens.are_needed
+    secret = tokens.create(name, Scope[scope.name])
+    try:
+        if as_json:
+            print_json({"name": name, "scope": scope.value, "token": secret})
+        else:
+            say(secret)
+        sys.stdout.flush()
+    except OSError as error:
+        # A token that no one has seen is of no use, and would only take its name.
+        tokens.revoke(name)
+        raise StoreError(
+            f"the token could not be printed ({error.strerror or error}) and was revoked; "
+            "try again where the output can be written"
+        ) from error
+    if not was_needed:
+        note(
+            "This is the first token. A service with this data folder needs a token for every "
+            "request from now on, also on loopback; commands with --server send that in "
+            "DRIVORA_TOKEN."
+        )
 
 
 @app.command("list")
@@ -71,12 +91,18 @@ def revoke(
     data_dir: DataDirOption = None,
 ) -> None:
     """Makes a token worthless at once, also for a service that runs."""
-    _tokens(data_dir).revoke(name)
+    tokens = _tokens(data_dir)
+    tokens.revoke(name)
     say(f"revoked {name}")
+    if not tokens.all():
+        note(
+            "No token is left: a service with this data folder refuses every request until "
+            "`drivora tokens create` makes one, and does not start without one."
+        )
 
 
 def _tokens(data_dir: Path | None) -> TokenFile:
     from drivora_service.api.guards.api_tokens import TokenFile
     from drivora_service.cli.application.installation import settings_for
 
-    return TokenFile(settings_for(data_dir).tokens_path)
+    return TokenFile(settings_for(data_dir).tokens_path, always_needed=False)

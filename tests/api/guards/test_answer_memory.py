@@ -63,7 +63,7 @@ class Scene:
     def __init__(self, tokens: TokenFile | None = None) -> None:
         self.inner = Counting()
         self.version: int | None = 1
-        self.app = AnswerMemory(self.inner, version=lambda: self.version, tokens=tokens)
+        self.app = AnswerMemory(self.inner, version=lambda: self.version, tokens=lambda: tokens)
 
     async def ask(
         self,

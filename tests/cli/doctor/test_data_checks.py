@@ -86,9 +86,13 @@ def test_tokens_are_needed_beyond_loopback(tmp_path: Path) -> None:
     (inside,) = check_tokens(Settings(data_dir=tmp_path))
     (outside,) = check_tokens(Settings(data_dir=tmp_path, host="0.0.0.0"))
     assert (inside.state, outside.state) == (State.OK, State.PROBLEM)
+    (tmp_path / "tokens.json").write_text("[]")
+    (revoked,) = check_tokens(Settings(data_dir=tmp_path))
+    assert (revoked.state, revoked.found) == (State.PROBLEM, "none, and all were revoked")
     (tmp_path / "tokens.json").write_text("{")
-    with pytest.raises(Exception, match="cannot be used"):
-        [*check_tokens(Settings(data_dir=tmp_path))]
+    (damaged,) = check_tokens(Settings(data_dir=tmp_path))
+    assert damaged.state is State.PROBLEM
+    assert "cannot be used" in damaged.found
 
 
 @contextmanager
