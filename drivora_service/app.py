@@ -202,6 +202,8 @@ def create_service(
             network_bytes=int(settings.max_network_mb * (1 << 20)),
             batch_items=settings.max_batch_items,
             queued_runs=settings.queue_limit,
+            body_s=settings.body_deadline_s,
+            client_bodies=settings.max_client_bodies,
         ),
         trace_path=trace_path,
         gene_spaces=GeneSpaces(catalogues),

@@ -36,7 +36,7 @@ The tree::
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from drivora_service.known_names import unknown_name_message
@@ -55,6 +55,37 @@ class Problem:
     pointer: str
     code: str
     message: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FurtherProblems(Problem):
+    """Problems that are not listed, because there are many.
+
+    Attributes:
+        count: Number of those that are known.
+        stopped: Whether the rest of the document was not checked, so that there may be more.
+    """
+
+    count: int
+    stopped: bool = False
+
+
+def further_problems(count: int, *, stopped: bool = False) -> FurtherProblems:
+    """Returns the last entry of a list from which ``count`` known problems are left out."""
+    known = f"{count} further problems are not listed" if count else ""
+    unknown = "the rest of the document was not checked" if stopped else ""
+    return FurtherProblems(
+        pointer="",
+        code="more_problems",
+        message="; ".join(part for part in (known, unknown) if part),
+        count=count,
+        stopped=stopped,
+    )
+
+
+def count_problems(problems: Iterable[Problem]) -> int:
+    """Returns the number of problems, with those that are not listed."""
+    return sum(one.count if isinstance(one, FurtherProblems) else 1 for one in problems)
 
 
 class DrivoraError(Exception):

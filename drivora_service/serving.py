@@ -95,6 +95,9 @@ def serve_until_stopped(settings: Settings) -> None:
     service = create_service(settings, on_fatal=ending.break_down)
     BoundedConnection.most = raise_descriptor_limit()
     BoundedConnection.urgent = urgent_requests(settings.resolved_root_path)
+    BoundedConnection.most_of_a_client = settings.max_client_connections
+    BoundedConnection.head_s = settings.head_deadline_s
+    BoundedConnection.counts = service.api.state.client_counts
     config = uvicorn.Config(
         service.api,
         http=BoundedConnection,

@@ -129,6 +129,28 @@ class Settings(BaseSettings):
     max_batch_items: int = Field(
         default=10_000, ge=1, description="Greatest number of scenarios in one batch."
     )
+    max_client_connections: int | None = Field(
+        default=None,
+        ge=1,
+        description="Connections of one address at once; a further one ends the oldest without a "
+        "request, or is refused. Unset: half of all that the service takes.",
+    )
+    max_client_bodies: int = Field(
+        default=64,
+        ge=1,
+        le=256,
+        description="Requests of one address whose bodies are waited for at the same moment; of "
+        "more, the one that was waited for longest is refused (503).",
+    )
+    head_deadline_s: float = Field(
+        default=20.0, gt=0, description="Seconds in which the head of a request must arrive (408)."
+    )
+    body_deadline_s: float = Field(
+        default=20.0,
+        gt=0,
+        description="Seconds for which a client may send nothing of a body that it has announced, "
+        "and after which it must have sent 16 KiB/s (408).",
+    )
     campaigns_at_once: int = Field(
         default=4,
         ge=1,

@@ -152,7 +152,8 @@ def _manifest(text: bytes, path: Path, name: str) -> AgentManifest:
         document = _Manifest.model_validate(content)
     except ValidationError as error:
         known = {problem.pointer for problem in odd}
-        problems += [p for p in structural_problems(error, _Manifest) if p.pointer not in known]
+        structural = structural_problems(error, _Manifest, content)
+        problems += [problem for problem in structural if problem.pointer not in known]
         raise InvalidDocument(tuple(problems)) from error
     problems += _problems(document, name)
     if problems:

@@ -17,6 +17,7 @@ from drivora_service.api.documentation.docs_page import docs_page
 from drivora_service.api.documentation.openapi import install_openapi
 from drivora_service.api.guards.answer_memory import AnswerMemory
 from drivora_service.api.guards.body_limit import BodyLimit
+from drivora_service.api.guards.client_counts import ClientCounts
 from drivora_service.api.guards.entity_tags import json_answer
 from drivora_service.api.guards.load_guard import LoadGuard
 from drivora_service.api.guards.method_table import HeadAsGet, MethodTable
@@ -70,6 +71,7 @@ def create_api(
     api.state.pictures = Pictures()
     api.state.coverages = CoverageMemory()
     times = api.state.request_times = RequestTimes()
+    counts = api.state.client_counts = ClientCounts()
     methods = MethodTable()
     resources = Resources(api, methods)
     if on_demand:
@@ -100,6 +102,9 @@ def create_api(
         BodyLimit,
         max_bytes=context.limits.body_bytes,
         of_paths={f"{PREFIX}/networks": context.limits.network_bytes},
+        body_s=context.limits.body_s,
+        of_a_client=context.limits.client_bodies,
+        counts=counts,
     )
     api.add_middleware(LoadGuard)
     # A request that waits for an answer which is being made already is no load.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import Depends, Request
 
 from drivora_service.api_paths import PREFIX
+from drivora_service.api.guards.client_waits import MOST_OF_A_CLIENT
 
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue
@@ -37,12 +38,16 @@ class Limits:
         network_bytes: Size of a file that a road network is imported from.
         batch_items: Scenarios of a batch.
         queued_runs: Runs that may wait; more are refused.
+        body_s: Seconds for which a client may send nothing of a body; ``None``: the default.
+        client_bodies: Bodies of one client that are waited for at the same moment.
     """
 
     body_bytes: int
     network_bytes: int
     batch_items: int
     queued_runs: int
+    body_s: float | None = None
+    client_bodies: int = MOST_OF_A_CLIENT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,6 +12,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 
 from drivora_service.api.context import context_of
 from drivora_service.api.guards.method_table import MethodTable
@@ -33,12 +34,15 @@ from drivora_service.errors import (
     StoreUnavailable,
     TraceDamaged,
     UnknownName,
+    count_problems,
 )
 from drivora_service.fault_log import FaultLog
 
 MEDIA_TYPE = "application/problem+json"
 _MAX_PROBLEMS = 200
 _UNAVAILABLE_S = "5"
+_CLIENT_LEFT = 499
+"""Status that proxies use in their logs, and here only the figures of requests."""
 
 _log = structlog.stdlib.get_logger(__name__)
 
@@ -135,7 +139,7 @@ def install_problem_handlers(api: FastAPI, methods: MethodTable) -> None:
     def http_answer(request: Request, error: Exception) -> Response:
         return _http_answer(request, error, methods)
 
-    for kind in (ApiError, DrivoraError, RequestValidationError, Exception):
+    for kind in (ApiError, ClientDisconnect, DrivoraError, RequestValidationError, Exception):
         api.add_exception_handler(kind, answer)
     api.add_exception_handler(HTTPException, http_answer)
 
@@ -151,8 +155,13 @@ def _answer(request: Request, error: Exception) -> Response:
                 problems=error.problems,
                 headers=error.headers,
             )
+        case ClientDisconnect():
+            # Counted by its connection; there is no client any more to answer.
+            _log.debug("client_left", path=path)
+            return Response(status_code=_CLIENT_LEFT)
         case InvalidDocument(problems=problems):
-            detail = f"{len(problems)} problem{'s' if len(problems) != 1 else ''} in the document"
+            count = count_problems(problems)
+            detail = f"{count} problem{'s' if count != 1 else ''} in the document"
             return problem_response(
                 HTTPStatus.UNPROCESSABLE_ENTITY, detail, instance=path, problems=problems
             )

@@ -8,9 +8,10 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from drivora_service.errors import Problem
+from drivora_service.errors import FurtherProblems, Problem, further_problems
 from drivora_service.known_names import list_names, similar_names
 from drivora_service.scenario.fields import PATTERN_MEANINGS
+from drivora_service.scenario.first_errors import first_errors
 from drivora_service.scenario.plain_data import MAX_PROBLEMS, kind_of, pointer
 
 ACTOR_LISTS = ("ego_vehicles", "npc_vehicles", "npc_walkers", "npc_obstacles")
@@ -29,18 +30,28 @@ _EXPECTED: Mapping[str, str] = {
 }
 
 
-def structural_problems(error: ValidationError, model: type[BaseModel]) -> list[Problem]:
-    """Returns a problem for each error that pydantic found in a document of type ``model``."""
-    return [
+def structural_problems(
+    error: ValidationError, model: type[BaseModel], content: object
+) -> list[Problem]:
+    """Returns the first errors that pydantic found in a document, and the number of the others.
+
+    Args:
+        error: The errors.
+        model: Type of the document.
+        content: The document.
+    """
+    first = first_errors(error, model, content)
+    found = [one for one in first if not _is_echo(one)]
+    problems = [
         Problem(
-            pointer=pointer(_tokens(details)),
-            code=details["type"],
-            # The search for similar keys is slow, and further problems are not listed.
-            message=_message(details, model, guess=number < MAX_PROBLEMS),
+            pointer=pointer(_tokens(details)), code=details["type"], message=_message(details, model)
         )
-        for number, details in enumerate(error.errors(include_url=False))
-        if not _is_echo(details)
+        for details in found[:MAX_PROBLEMS]
     ]
+    if len(found) > MAX_PROBLEMS:
+        echoes = len(first) - len(found)
+        problems.append(further_problems(error.error_count() - echoes - MAX_PROBLEMS))
+    return problems
 
 
 def find_duplicate_ids(content: Mapping[str, Any]) -> list[Problem]:
@@ -75,11 +86,14 @@ def in_document_order(
 ) -> tuple[Problem, ...]:
     """Sorts problems by their places in the document, and bounds their number."""
     positions: dict[int, dict[str, int]] = {}
-    ordered = sorted(problems, key=lambda problem: _rank(problem.pointer, content, positions))
-    if len(ordered) <= MAX_PROBLEMS:
+    further = [one for one in problems if isinstance(one, FurtherProblems)]
+    listed = [one for one in problems if not isinstance(one, FurtherProblems)]
+    ordered = sorted(listed, key=lambda problem: _rank(problem.pointer, content, positions))
+    left_out = sum(one.count for one in further) + max(0, len(ordered) - MAX_PROBLEMS)
+    stopped = any(one.stopped for one in further)
+    if not left_out and not stopped:
         return tuple(ordered)
-    message = f"{len(ordered) - MAX_PROBLEMS} further problems are not listed"
-    return (*ordered[:MAX_PROBLEMS], Problem(pointer="", code="more_problems", message=message))
+    return (*ordered[:MAX_PROBLEMS], further_problems(left_out, stopped=stopped))
 
 
 def tokens(place: str, content: Any) -> tuple[str | int, ...]:
@@ -138,12 +152,12 @@ def _tokens(details: ErrorDetails) -> tuple[str | int, ...]:
     return place
 
 
-def _message(details: ErrorDetails, model: type[BaseModel], *, guess: bool) -> str:
+def _message(details: ErrorDetails, model: type[BaseModel]) -> str:
     kind, found, context = details["type"], details["input"], details.get("ctx", {})
     if kind == "missing":
         return f"{details['loc'][-1]!r} is missing"
     if kind == "extra_forbidden":
-        return _unknown_key(details["loc"], model, guess=guess)
+        return _unknown_key(details["loc"], model)
     if kind in _EXPECTED:
         unit = _unit(details["loc"], model) if isinstance(found, str) else ""
         return f"found {_format_value(found)}; {_EXPECTED[kind]} is needed{unit}"
@@ -186,10 +200,10 @@ def _format_value(value: object) -> str:
     return f"{kind_of(value)} {text}" if isinstance(value, str | bool) else text
 
 
-def _unknown_key(place: Sequence[str | int], model: type[BaseModel], *, guess: bool) -> str:
+def _unknown_key(place: Sequence[str | int], model: type[BaseModel]) -> str:
     known = tuple(model_at(model, place[:-1]).model_fields)
     key = str(place[-1])
-    close = similar_names(key, known) if guess else ()
+    close = similar_names(key, known)
     meant = f"; did you mean {close[0]!r}?" if close else ""
     return f"{key[:80]!r} is unknown here{meant} Allowed: {list_names(known)}".replace(
         "here Allowed", "here; allowed"

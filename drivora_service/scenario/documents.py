@@ -147,7 +147,7 @@ def read_document(
         document = ScenarioDocument.model_validate(content)
     except ValidationError as error:
         odd = {problem.pointer for problem in problems}
-        structural = structural_problems(error, ScenarioDocument)
+        structural = structural_problems(error, ScenarioDocument, content)
         problems += [problem for problem in structural if problem.pointer not in odd]
     return ReadDocument(
         content=content,
@@ -206,7 +206,8 @@ def with_background(document: ScenarioDocument, count: int) -> ScenarioDocument:
     try:
         background = BackgroundTrafficDocument(count=count)
     except ValidationError as error:
-        problems = structural_problems(error, BackgroundTrafficDocument)
+        content = {"count": count}
+        problems = structural_problems(error, BackgroundTrafficDocument, content)
         raise InvalidDocument(tuple(problems)) from error
     return document.model_copy(update={"background_traffic": background})
 

@@ -11,12 +11,13 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from itertools import islice
 from typing import Any, Literal
 
 import numpy as np
 import yaml
 
-from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.errors import InvalidDocument, Problem, further_problems
 
 MAX_DOCUMENT_BYTES = 4 * 1024 * 1024
 MAX_YAML_BYTES = 256 * 1024
@@ -24,7 +25,10 @@ MAX_YAML_BYTES = 256 * 1024
 MAX_DEPTH = 32
 MAX_VALUES = 500_000
 MAX_INTEGER = 2**63 - 1
-MAX_PROBLEMS = 1000
+MAX_PROBLEMS = 100
+"""Problems that are listed; further ones are counted, where their number is known."""
+MAX_LOOKED_AT = 1000
+"""Items of a list that are checked one by one where the document has other problems already."""
 
 _STRING = re.compile(r'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
 
@@ -63,7 +67,7 @@ def plain_data(
     if not isinstance(content, dict):
         raise refusal("not_an_object", f"found {kind_of(content)}; {what} is one object with keys")
     problems = _odd_values(content)
-    fatal = tuple(problem for problem in problems if problem.code == "odd_key")
+    fatal = tuple(problem for problem in problems if problem.code in ("odd_key", "more_problems"))
     if fatal:
         raise InvalidDocument(fatal)
     return content, problems
@@ -188,7 +192,9 @@ def _odd_values(content: Any) -> list[Problem]:
     problems: list[Problem] = []
     seen = 0
     stack: list[tuple[tuple[str | int, ...], Any]] = [((), content)]
-    while stack and len(problems) < MAX_PROBLEMS:
+    while stack:
+        if len(problems) >= MAX_PROBLEMS:
+            return [*problems[:MAX_PROBLEMS], further_problems(0, stopped=True)]
         place, value = stack.pop()
         children: Iterable[tuple[Any, Any]]
         if isinstance(value, dict):
@@ -208,9 +214,23 @@ def _odd_values(content: Any) -> list[Problem]:
         if len(place) > MAX_DEPTH:
             raise _too_deep()
         for key, child in children:
-            if type(child) is not float or not math.isfinite(child):
+            if not _is_plain(child):
                 stack.append(((*place, key), child))
     return problems
+
+
+def _is_plain(value: object) -> bool:
+    """Returns whether a value is none that has to be looked at; fast, as most values are."""
+    kind = type(value)
+    if kind is float:
+        return math.isfinite(value)  # type: ignore[arg-type] # a float
+    if kind is str:
+        return _is_plain_text(value)  # type: ignore[arg-type] # a str
+    return kind is bool or value is None or (kind is int and abs(value) <= MAX_INTEGER)  # type: ignore[arg-type] # an int
+
+
+def _is_plain_text(value: str) -> bool:
+    return value.isascii() and "\0" not in value
 
 
 def _odd_keys(place: tuple[str | int, ...], value: Mapping[Any, Any]) -> list[Problem]:
@@ -220,9 +240,13 @@ def _odd_keys(place: tuple[str | int, ...], value: Mapping[Any, Any]) -> list[Pr
             code="repeated_key",
             message=f"found key {str(key)[:80]!r} more than once; give it once",
         )
-        for key in getattr(value, "repeated", ())
+        for key in islice(getattr(value, "repeated", ()), MAX_PROBLEMS)
     ]
     for key in value:
+        if len(problems) >= MAX_PROBLEMS:
+            break
+        if type(key) is str and _is_plain_text(key):
+            continue
         message = (
             _odd_leaf(key)
             if isinstance(key, str)

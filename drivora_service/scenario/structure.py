@@ -42,7 +42,7 @@ def read_structure(
         return model.model_validate(content), content, odd
     except ValidationError as error:
         known = {problem.pointer for problem in odd}
-        structural = structural_problems(error, model)
+        structural = structural_problems(error, model, content)
         problems = [*odd, *(p for p in structural if p.pointer not in known)]
         known |= {problem.pointer for problem in structural}
         problems += [p for p in further(content) if p.pointer not in known]

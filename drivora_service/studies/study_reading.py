@@ -24,7 +24,7 @@ from drivora_service.campaigns.document.campaign_reading import (
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.scenario.document_problems import in_document_order
 from drivora_service.scenario.fields import MAX_SEED
-from drivora_service.scenario.plain_data import MAX_PROBLEMS
+from drivora_service.scenario.plain_data import MAX_LOOKED_AT
 from drivora_service.scenario.structure import read_structure
 from drivora_service.store.campaigns.campaign_records import NewCampaign, StudyCell
 from drivora_service.studies.study_documents import (
@@ -149,7 +149,7 @@ def _items(content: Mapping[str, Any], key: str) -> Iterator[tuple[int, Any]]:
     """Yields the items of a list with their places; nothing if it is no list."""
     found = content.get(key)
     if isinstance(found, list | tuple):
-        yield from enumerate(found[:MAX_PROBLEMS])
+        yield from enumerate(found[:MAX_LOOKED_AT])
 
 
 def _repeated_labels(document: StudyDocument) -> Iterator[Problem]:

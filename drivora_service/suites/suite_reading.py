@@ -97,7 +97,7 @@ def _read_carried_expectations(
             except ValidationError as error:
                 problems += [
                     replace(problem, pointer=_extension_place(place) + problem.pointer)
-                    for problem in structural_problems(error, ExpectationsDocument)
+                    for problem in structural_problems(error, ExpectationsDocument, content)
                 ]
         carried.append(expectations)
     return carried, problems

@@ -108,7 +108,7 @@ def _read_labelled(content: Mapping[str, Any], problems: list[Problem]) -> Batch
         failures = None if read.failures is None else read.failures.definition
     except ValidationError as error:
         odd = {problem.pointer for problem in problems}
-        structural = structural_problems(error, LabelledScenario)
+        structural = structural_problems(error, LabelledScenario, content)
         problems += [problem for problem in structural if problem.pointer not in odd]
     document = content.get("scenario")
     return BatchScenario(

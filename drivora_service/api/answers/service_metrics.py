@@ -14,6 +14,7 @@ from prometheus_client.exposition import CONTENT_TYPE_LATEST
 from prometheus_client.registry import Collector
 
 from drivora_service.api.context import ApiContext
+from drivora_service.api.guards.client_counts import ClientCounts
 from drivora_service.api.guards.request_times import RequestTimes
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.runs.run_records import OwnerRecord
@@ -21,12 +22,12 @@ from drivora_service.store.runs.run_records import OwnerRecord
 CONTENT_TYPE = CONTENT_TYPE_LATEST
 
 
-def metrics_text(context: ApiContext, times: RequestTimes) -> bytes:
+def metrics_text(context: ApiContext, times: RequestTimes, clients: ClientCounts) -> bytes:
     """Returns the metrics in Prometheus' text form."""
     registry = CollectorRegistry(auto_describe=False)
     registry.register(_FaultCollector(context))
     registry.register(_StoreCollector(context))
-    return generate_latest(registry) + generate_latest(times.registry)
+    return b"".join(map(generate_latest, (registry, times.registry, clients.registry)))
 
 
 class _FaultCollector(Collector):

@@ -11,6 +11,8 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from drivora_service.api.guards.path_prefix import public_path
+from drivora_service.api.guards.client_counts import ClientCounts
+from drivora_service.api.guards.client_waits import MOST_OF_A_CLIENT, ClientWaits, client_key
 from drivora_service.api.problem_details import ApiError, problem_response
 
 DRAIN_SECONDS = 2.0
@@ -35,7 +37,14 @@ class BodyLimit:
     """
 
     def __init__(
-        self, app: ASGIApp, *, max_bytes: int, of_paths: Mapping[str, int] = MappingProxyType({})
+        self,
+        app: ASGIApp,
+        *,
+        max_bytes: int,
+        of_paths: Mapping[str, int] = MappingProxyType({}),
+        body_s: float | None = None,
+        of_a_client: int = MOST_OF_A_CLIENT,
+        counts: ClientCounts | None = None,
     ) -> None:
         """Creates the middleware around an application.
 
@@ -43,9 +52,16 @@ class BodyLimit:
             app: What answers.
             max_bytes: Greatest size of a body.
             of_paths: The same for some paths.
+            body_s: Seconds for which a client may send nothing; ``None``: ``BODY_SECONDS``.
+            of_a_client: Bodies of one client that are waited for at the same moment; of more, the
+                one that was waited for longest is given up.
+            counts: What happens to clients.
         """
         self._app = app
         self._max_bytes, self._of_paths = max_bytes, of_paths
+        self._body_s = body_s
+        self._waits = ClientWaits(most_of_a_client=of_a_client)
+        self._counts = counts or ClientCounts()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serves a request."""
@@ -63,25 +79,38 @@ class BodyLimit:
             await _refuse(scope, receive, send, status, too_many)
             return
         received = 0
+        is_given_up = False
         too_large = False
         complete = False
         loop = asyncio.get_running_loop()
         began = loop.time()
+        client = client_key(scope.get("client"))
+
+        async def receive_in_time() -> Message:
+            nonlocal is_given_up
+            # What came fast must not pay for a client that then stops.
+            body_s = BODY_SECONDS if self._body_s is None else self._body_s
+            left = min(began + received / BODY_BYTES_A_SECOND, loop.time()) + body_s
+
+            def give_up() -> None:
+                nonlocal is_given_up
+                is_given_up = True
+                waiting.reschedule(loop.time())
+
+            async with asyncio.timeout_at(left) as waiting:
+                with self._waits.wait(client, give_up):
+                    return await receive()
 
         async def receive_within_limits() -> Message:
             nonlocal received, too_large, complete
-            # What came fast must not pay for a client that then stops.
-            left = min(began + received / BODY_BYTES_A_SECOND, loop.time()) + BODY_SECONDS
+            if complete:
+                # It is waited for the client to leave, as long as it likes.
+                return await receive()
             try:
-                # After the body's end it is waited for the client to leave, as long as it likes.
-                async with asyncio.timeout_at(None if complete else left):
-                    message = await receive()
+                message = await receive_in_time()
             except TimeoutError:
-                raise ApiError(
-                    HTTPStatus.REQUEST_TIMEOUT,
-                    f"the body came too slowly: {received} bytes so far",
-                    headers=_CLOSE,
-                ) from None
+                self._counts.cut_off("bodies" if is_given_up else "body")
+                raise _late(received, is_given_up=is_given_up) from None
             complete = not message.get("more_body", False)
             if message["type"] == "http.request":
                 received += len(message.get("body", b""))
@@ -95,6 +124,23 @@ class BodyLimit:
             await (_send_and_linger(message, receive, send) if too_large else send(message))
 
         await self._app(scope, receive_within_limits, lingering_send)
+
+
+def _late(received: int, *, is_given_up: bool) -> ApiError:
+    """Returns the answer to a body that did not come in time."""
+    if is_given_up:
+        return ApiError(
+            HTTPStatus.SERVICE_UNAVAILABLE,
+            f"this client has begun too many requests without sending their bodies: this one, with "
+            f"{received} bytes so far, was waited for longest. Send the body with its head, and "
+            "fewer at once",
+            headers={**_CLOSE, "Retry-After": "1"},
+        )
+    return ApiError(
+        HTTPStatus.REQUEST_TIMEOUT,
+        f"the body came too slowly: {received} bytes so far",
+        headers=_CLOSE,
+    )
 
 
 async def _refuse(

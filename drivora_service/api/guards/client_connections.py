@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import resource
+from collections.abc import Callable, Iterable
 from http import HTTPStatus
-from typing import Any
+from typing import Any, ClassVar
 
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from drivora_service.api.guards.load_guard import refuse_overload
+from drivora_service.api.guards.client_counts import ClientCounts, Reason
+from drivora_service.api.guards.client_waits import ClientWaits, client_key
+from drivora_service.api.guards.load_guard import EVENTS_PATH, refuse_overload
 from drivora_service.api.guards.request_turns import Turns, urgent_requests
 from drivora_service.api.problem_details import MEDIA_TYPE, ProblemDetails
 
@@ -43,39 +46,95 @@ class BoundedConnection(H11Protocol):
     """One connection, with deadlines; one beyond ``most`` gets the answer of an overload.
 
     The server itself would wait for ever for the head of a request, and for a client that takes
-    nothing of its answer.
+    nothing of its answer. One client may have ``most_of_a_client`` connections: another one ends
+    that of its oldest which has no request, and is refused if all have one.
 
     Attributes:
-        most: Connections that are served; set before the server starts.
+        most: Connections that are served; set, as all of these, before the server starts.
+        most_of_a_client: The same of one address; ``None``: half of them.
+        head_s: Seconds for the head of a request; ``None``: ``HEAD_SECONDS``.
         turns: In which order requests are begun.
         urgent: How requests start that are begun before others.
+        counts: What happens to connections.
     """
 
     most = MOST_CONNECTIONS
+    most_of_a_client: int | None = None
+    head_s: float | None = None
     turns = Turns()
     urgent = urgent_requests()
+    counts = ClientCounts()
+    _stalled = ClientWaits()
+    _of_client: ClassVar[dict[str, dict[BoundedConnection, None]]] = {}
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self._deadline: asyncio.TimerHandle | None = None
         self._stall: asyncio.TimerHandle | None = None
+        self._end_stall: Callable[[], None] | None = None
         self._unread = b""
+        self._key = ""
+        self._ended_here = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override] # as the base class
         """Accepts a connection, or refuses it if there are too many."""
         super().connection_made(transport)
-        if len(self.connections) > self.most + self.most // 8:
-            transport.abort()
+        self._key = client_key(self.client)
+        own = self._of_client.setdefault(self._key, {})
+        own[self] = None
+        most_own = max(1, self.most // 2) if self.most_of_a_client is None else self.most_of_a_client
+        if len(own) > most_own and not self._replace_idle(own):
+            if len(own) > most_own + most_own // 8:
+                self._cut_off("connections")
+                return
+            self.counts.cut_off("connections")
+            self.app = refuse_overload
+        elif len(self.connections) > self.most + self.most // 8:
+            self._cut_off("connections")
             return
-        if len(self.connections) > self.most:
+        elif len(self.connections) > self.most:
+            self.counts.cut_off("connections")
             self.app = refuse_overload
         self._await_head()
+
+    def _replace_idle(self, own: Iterable[BoundedConnection]) -> bool:
+        """Ends the oldest of a client's connections without a request; returns whether any was."""
+        for one in own:
+            if one is not self and one._is_idle and not one.transport.is_closing():
+                one._cut_off("connections")
+                return True
+        return False
+
+    @property
+    def _is_idle(self) -> bool:
+        return self.conn.their_state is h11.IDLE and not self._unread
+
+    def _cut_off(self, reason: Reason) -> None:
+        self.counts.cut_off(reason)
+        self._ended_here = True
+        self.transport.abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forgets a connection."""
         self._stop_waiting()
         self.resume_writing()
+        self._count_leaving()
+        own = self._of_client.get(self._key)
+        if own is not None:
+            own.pop(self, None)
+            if not own:
+                del self._of_client[self._key]
         super().connection_lost(exc)
+
+    def _count_leaving(self) -> None:
+        """Counts a client that closed the connection before its answer was complete."""
+        cycle = self.cycle
+        if cycle is None or cycle.response_complete or self._ended_here:
+            return
+        if cycle.more_body:
+            self.counts.leave("request")
+        else:
+            self.counts.leave("events" if cycle.scope["path"].endswith(EVENTS_PATH) else "answer")
 
     def data_received(self, data: bytes) -> None:
         """Reads a part of a request; one that begins may have to wait for its turn."""
@@ -119,13 +178,19 @@ class BoundedConnection(H11Protocol):
         """Sets the deadline of a client that does not read its answer."""
         super().pause_writing()
         if self._stall is None:
-            self._stall = self.loop.call_later(STALL_SECONDS, self.transport.abort)
+            self._stall = self.loop.call_later(STALL_SECONDS, self._cut_off, "answer")
+            # Of a proxy's request, the client that the proxy names.
+            client = client_key(self.scope["client"]) if self.scope else self._key
+            self._end_stall = self._stalled.begin(client, lambda: self._cut_off("answers"))
 
     def resume_writing(self) -> None:
         """Continues when the client reads again."""
         if self._stall is not None:
             self._stall.cancel()
             self._stall = None
+        if self._end_stall is not None:
+            self._end_stall()
+            self._end_stall = None
         super().resume_writing()
 
     def send_400_response(self, msg: str) -> None:
@@ -133,7 +198,11 @@ class BoundedConnection(H11Protocol):
         self._refuse(HTTPStatus.BAD_REQUEST, f"{msg.rstrip('.')}: this is no HTTP/1.1")
 
     def _await_head(self) -> None:
-        self._deadline = self.loop.call_later(HEAD_SECONDS, self._give_up)
+        self._deadline = self.loop.call_later(self._head_s, self._give_up)
+
+    @property
+    def _head_s(self) -> float:
+        return HEAD_SECONDS if self.head_s is None else self.head_s
 
     def _stop_waiting(self) -> None:
         if self._deadline is not None:
@@ -147,8 +216,9 @@ class BoundedConnection(H11Protocol):
             return
         if self.transport.is_closing() or self.conn.their_state is not h11.IDLE:
             return
+        self.counts.cut_off("head")
         self._refuse(
-            HTTPStatus.REQUEST_TIMEOUT, f"no request was complete within {HEAD_SECONDS:g} s"
+            HTTPStatus.REQUEST_TIMEOUT, f"no request was complete within {self._head_s:g} s"
         )
 
     def _refuse(self, status: HTTPStatus, detail: str) -> None:

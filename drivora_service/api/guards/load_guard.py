@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from http import HTTPStatus
 
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from drivora_service.api.guards.path_prefix import public_path
 from drivora_service.api.problem_details import problem_response
@@ -27,7 +27,9 @@ _NOT_COUNTED = HEALTH_PATHS | {EVENTS_PATH}
 class LoadGuard:
     """ASGI middleware: 503 with ``Retry-After`` for a request beyond ``most`` at once.
 
-    Whether the service lives and is ready can always be asked. Streams of events are not counted.
+    Whether the service lives and is ready can always be asked. Streams of events are not counted,
+    nor is a request while it waits for its client: for the rest of its body, or until the client
+    takes what was sent. ``BodyLimit`` and ``BoundedConnection`` bound those.
     """
 
     def __init__(self, app: ASGIApp, *, most: int = MOST_REQUESTS) -> None:
@@ -44,11 +46,37 @@ class LoadGuard:
             # A body that is not read leaves the connection of no further use.
             await _refuse(scope, receive, send, close=scope["method"] not in ("GET", "HEAD"))
             return
-        self._served += 1
+        is_served = body_complete = False
+
+        def count(served: bool) -> None:
+            nonlocal is_served
+            self._served += served - is_served
+            is_served = served
+
+        async def receive_uncounted() -> Message:
+            nonlocal body_complete
+            if body_complete:
+                return await receive()
+            count(False)
+            try:
+                message = await receive()
+            finally:
+                count(True)
+            body_complete = not message.get("more_body", False)
+            return message
+
+        async def send_uncounted(message: Message) -> None:
+            count(False)
+            try:
+                await send(message)
+            finally:
+                count(True)
+
+        count(True)
         try:
-            await self._app(scope, receive, send)
+            await self._app(scope, receive_uncounted, send_uncounted)
         finally:
-            self._served -= 1
+            count(False)
 
 
 async def refuse_overload(scope: Scope, receive: Receive, send: Send) -> None:

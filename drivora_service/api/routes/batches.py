@@ -267,7 +267,7 @@ def _all_rejected(
 ) -> InvalidDocument:
     """Refuses a batch with the first problems of its documents."""
     every = (
-        Problem(pointer=f"/{item}{p.pointer}", code=p.code, message=p.message)
+        replace(p, pointer=f"/{item}{p.pointer}")
         for item, problems in rejected.items()
         for p in problems
     )

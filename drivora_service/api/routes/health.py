@@ -66,7 +66,8 @@ async def readyz(context: Context, response: Response) -> Readiness:
 )
 def metrics(context: Context, request: Request) -> Response:
     """Returns counts of runs, the queue, the workers and requests for Prometheus."""
-    text = metrics_text(context, request.app.state.request_times)
+    state = request.app.state
+    text = metrics_text(context, state.request_times, state.client_counts)
     return Response(text, media_type=CONTENT_TYPE)
 
 

@@ -52,7 +52,7 @@ from drivora_service.parameters import parameter_problems
 from drivora_service.scenario.document_problems import in_document_order, structural_problems
 from drivora_service.scenario.entities import AgentDocument
 from drivora_service.scenario.model import Scenario
-from drivora_service.scenario.plain_data import MAX_PROBLEMS, plain_data
+from drivora_service.scenario.plain_data import MAX_LOOKED_AT, plain_data
 from drivora_service.scenario.validation import ValidScenario, validate_data
 from drivora_service.search.budget_bounds import problems_of_tester
 from drivora_service.search.candidate_space import OwnSpace
@@ -318,7 +318,7 @@ def _structure(
         context = stored_context(is_stored=is_stored)
         return CampaignDocument.model_validate(content, context=context), []
     except ValidationError as error:
-        problems = structural_problems(error, CampaignDocument)
+        problems = structural_problems(error, CampaignDocument, content)
     # The checks of the scenarios find these, and more.
     checked = tuple(f"{pointer}/" for pointer, _ in _scenario_parts(content))
     return None, [p for p in problems if not p.pointer.startswith(checked)]
@@ -444,7 +444,7 @@ def _check_laws(tester: TesterDocument, catalogues: Catalogues) -> Iterator[Prob
     if not isinstance(names, list | tuple) or not _searches_laws(tester.name, catalogues):
         return
     known = catalogues.oracles.library.names()
-    for place, name in enumerate(names[:MAX_PROBLEMS]):
+    for place, name in enumerate(names[:MAX_LOOKED_AT]):
         if isinstance(name, str) and name not in known:
             pointer = f"/tester/parameters/laws/{place}"
             yield _unknown(pointer, UnknownName("law", name, known), "`drivora laws list`")
@@ -482,7 +482,7 @@ def check_oracles(
     names: Sequence[object], catalogue: OracleCatalogue, wrong: Collection[str]
 ) -> Iterator[Problem]:
     """Checks the names of oracles, without those that are known to be wrong."""
-    for place, name in enumerate(names[:MAX_PROBLEMS]):
+    for place, name in enumerate(names[:MAX_LOOKED_AT]):
         pointer = f"/oracles/{place}"
         if pointer in wrong or not isinstance(name, str):
             continue

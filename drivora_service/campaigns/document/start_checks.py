@@ -9,7 +9,7 @@ import numpy as np
 from drivora_service.campaigns.document.campaign_documents import CampaignDocument
 from drivora_service.errors import InvalidDocument, Problem
 from drivora_service.geometry.array_shapes import FloatArray
-from drivora_service.scenario.plain_data import MAX_PROBLEMS
+from drivora_service.scenario.plain_data import MAX_LOOKED_AT, MAX_PROBLEMS
 from drivora_service.search.genes import GeneSpace
 
 _MOST_NAMED = 10
@@ -30,7 +30,7 @@ def check_start(document: CampaignDocument, network_sha256: str) -> Iterator[Pro
             "places. Import the version that the earlier campaign had, or start without it",
         )
     known = list(document.seeds)
-    for place, one in enumerate(start.candidates[:MAX_PROBLEMS]):
+    for place, one in enumerate(start.candidates[:MAX_LOOKED_AT]):
         if one.seed not in known:
             yield Problem(
                 pointer=f"{pointer}/candidates/{place}/seed",

@@ -47,7 +47,7 @@ def read_laws(source: LawSource) -> tuple[Law, ...]:
         known = {problem.pointer for problem in problems}
         problems += [
             problem
-            for problem in structural_problems(error, LawFileDocument)
+            for problem in structural_problems(error, LawFileDocument, content)
             if problem.pointer not in known
         ]
         raise _make_error(source.file, problems, content, places) from error

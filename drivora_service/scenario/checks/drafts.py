@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from drivora_service.errors import Problem
+from drivora_service.errors import FurtherProblems, Problem
 from drivora_service.known_names import similar_names
 from drivora_service.scenario.document_problems import (
     NAMED_LISTS,
@@ -118,7 +118,7 @@ def make_whole(content: Mapping[str, Any], problems: Sequence[Problem]) -> Draft
     replaced: set[Place] = set()
     whole: Mapping[str, Any] = content
     for _ in range(_ROUNDS):
-        if len(found) > MAX_PROBLEMS:
+        if len(found) > MAX_PROBLEMS or any(isinstance(p, FurtherProblems) for p in found):
             return None
         places = {place for problem in fresh for place in _repairs(problem, whole)}
         for place in places - replaced:
@@ -127,7 +127,7 @@ def make_whole(content: Mapping[str, Any], problems: Sequence[Problem]) -> Draft
         try:
             document = ScenarioDocument.model_validate(whole)
         except ValidationError as error:
-            fresh = structural_problems(error, ScenarioDocument)
+            fresh = structural_problems(error, ScenarioDocument, whole)
             found += fresh
             continue
         doubts = Doubts(

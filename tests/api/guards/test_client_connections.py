@@ -7,6 +7,7 @@ import json
 import resource
 import select
 import socket
+import struct
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -18,6 +19,7 @@ import uvicorn
 
 from drivora_service.api.guards import body_limit, client_connections
 from drivora_service.api.guards.client_connections import BoundedConnection, raise_descriptor_limit
+from drivora_service.api.guards.client_waits import ClientWaits
 from tests.api.conftest import Offline
 
 HEAD = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
@@ -35,6 +37,7 @@ class Running:
 def running(offline: Offline, monkeypatch: pytest.MonkeyPatch) -> Iterator[Running]:
     """The application behind bounded connections, four of them."""
     monkeypatch.setattr(BoundedConnection, "most", 4)
+    monkeypatch.setattr(BoundedConnection, "most_of_a_client", 1000)
     config = uvicorn.Config(
         offline.app, port=0, log_config=None, lifespan="off", ws="none", http=BoundedConnection
     )
@@ -213,3 +216,147 @@ def test_a_request_that_waits_for_its_turn_is_answered_before_the_connection_end
         running.server.should_exit = True
         assert answer(client)[0] == 404
         assert client.recv(1) == b""
+
+
+POST = b"POST /api/v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+MANY = 300
+"""More than requests are served at once."""
+
+
+def counted(of: str, kind: str) -> float:
+    """Returns how many clients have left, or were cut off."""
+    name = {"left": "during", "cut_off": "reason"}[of]
+    value = BoundedConnection.counts.registry.get_sample_value(
+        f"drivora_clients_{of}_total", {name: kind}
+    )
+    assert value is not None
+    return value
+
+
+def wait_for(holds: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + 30.0
+    while not holds():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def test_many_heads_without_bodies_hold_up_no_one(
+    running: Running, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(BoundedConnection, "most", 2 * MANY)
+    with contextlib.ExitStack() as stack:
+        clients = [stack.enter_context(connected(running.address)) for _ in range(MANY)]
+        for client in clients:
+            client.sendall(POST + b"Content-Length: 100\r\n\r\n")
+        # The oldest of them is given up before its time.
+        status, head, body = answer(clients[0])
+        assert status == 503
+        assert b"retry-after: 1" in head
+        assert "too many requests without sending their bodies" in str(body["detail"])
+        for request in (
+            HEAD.replace(b"/healthz", b"/api/v1/jobs"),
+            POST + b"Content-Length: 2\r\n\r\n{}",
+        ):
+            with connected(running.address) as other:
+                other.sendall(request)
+                assert answer(other)[0] == (200 if request.startswith(b"GET") else 422)
+
+
+def test_a_client_with_too_many_connections_loses_its_own(
+    address: tuple[str, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(BoundedConnection, "most", 1000)
+    monkeypatch.setattr(BoundedConnection, "most_of_a_client", 3)
+    cut_off = counted("cut_off", "connections")
+    with contextlib.ExitStack() as stack:
+        slow = [stack.enter_context(connected(address)) for _ in range(3)]
+        for client in slow:
+            # A head that never ends.
+            client.sendall(HEAD[:10])
+        late = stack.enter_context(connected(address))
+        late.sendall(HEAD)
+        assert answer(late)[0] == 200
+        assert is_cut_off(slow[0])
+        slow[1].sendall(HEAD[10:])
+        assert answer(slow[1])[0] == 200
+    assert counted("cut_off", "connections") == cut_off + 1
+
+
+def test_a_connection_is_refused_if_all_others_of_its_client_have_a_request(
+    address: tuple[str, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(BoundedConnection, "most", 1000)
+    monkeypatch.setattr(BoundedConnection, "most_of_a_client", 8)
+    with contextlib.ExitStack() as stack:
+        busy = [stack.enter_context(connected(address)) for _ in range(8)]
+        for client in busy:
+            client.sendall(POST + b"Content-Length: 2\r\n\r\n{")
+        time.sleep(0.2)
+        late = stack.enter_context(connected(address))
+        late.sendall(HEAD)
+        status, head, _ = answer(late)
+        assert status == 503
+        assert b"retry-after: 1" in head
+        for client in busy:
+            client.sendall(b"}")
+            assert answer(client)[0] == 422
+
+
+RESET = struct.pack("ii", 1, 0)
+"""Of ``SO_LINGER``: the connection is reset when it is closed."""
+
+
+@pytest.mark.parametrize("resets", [False, True])
+@pytest.mark.parametrize(
+    ("request_bytes", "during"),
+    [
+        (POST + b"Content-Length: 100\r\n\r\n{", "request"),
+        (POST + b"Transfer-Encoding: chunked\r\n\r\n1\r\n{\r\n", "request"),
+        (HEAD.replace(b"/healthz", b"/api/v1/events"), "events"),
+    ],
+)
+def test_a_client_that_leaves_is_counted_and_no_error(
+    address: tuple[str, int],
+    caplog: pytest.LogCaptureFixture,
+    capfd: pytest.CaptureFixture[str],
+    request_bytes: bytes,
+    during: str,
+    resets: bool,
+) -> None:
+    before = counted("left", during)
+    with connected(address) as client:
+        client.sendall(request_bytes)
+        if during == "events":
+            assert client.recv(100).startswith(b"HTTP/1.1 200")
+        else:
+            # Until the endpoint waits for the rest.
+            time.sleep(0.2)
+        if resets:
+            client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET)
+    wait_for(lambda: counted("left", during) == before + 1)
+    with connected(address) as client:
+        client.sendall(HEAD)
+        assert answer(client)[0] == 200
+    said = capfd.readouterr()
+    assert "Traceback" not in said.out + said.err
+    assert [record for record in caplog.records if record.levelname in ("ERROR", "WARNING")] == []
+
+
+def test_clients_that_take_no_answer_hold_up_no_one(
+    running: Running, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(BoundedConnection, "most", 2 * MANY)
+    monkeypatch.setattr(BoundedConnection, "_stalled", ClientWaits(most_of_a_client=2, most=4))
+    page = HEAD.replace(b"/healthz", b"/api/v1/openapi.json")
+    cut_off = counted("cut_off", "answers")
+    with contextlib.ExitStack() as stack:
+        for _ in range(4):
+            client = stack.enter_context(connected(running.address))
+            # They ask again and again, until the buffers of the sockets are full.
+            client.setblocking(False)
+            with contextlib.suppress(BlockingIOError):
+                client.send(page * 40)
+        wait_for(lambda: counted("cut_off", "answers") >= cut_off + 2)
+        with connected(running.address) as other:
+            other.sendall(HEAD)
+            assert answer(other)[0] == 200
