@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Depends
+from collections.abc import Callable, Coroutine
+from http import HTTPStatus
+from typing import Any, get_args
+
+from fastapi import APIRouter, Depends, Request, Response
 from fastapi.params import Depends as Dependency
+from fastapi.routing import APIRoute
+from pydantic import BaseModel, ValidationError
+from pydantic_core import from_json
 
 from drivora_service.api.documentation.openapi import problem_answer
 from drivora_service.api.guards.query_guard import refuse_unknown_parameters
+from drivora_service.api.problem_details import ApiError, json_pointer
 from drivora_service.api_paths import PREFIX
+from drivora_service.errors import Problem, further_problems
+from drivora_service.scenario.first_errors import first_errors
+from drivora_service.scenario.plain_data import MAX_PROBLEMS
+
+_LARGE_BODY = 64 << 10
+"""Bytes of a body with, at most, some thousands of mistakes."""
 
 
 def resource_router(tag: str, *dependencies: Dependency) -> APIRouter:
@@ -22,4 +36,56 @@ def resource_router(tag: str, *dependencies: Dependency) -> APIRouter:
         tags=[tag],
         dependencies=[Depends(refuse_unknown_parameters), *dependencies],
         responses={422: problem_answer(422), 503: problem_answer(503)},
+        route_class=_BoundedRoute,
     )
+
+
+class _BoundedRoute(APIRoute):
+    """An operation that lists the first mistakes of a large body.
+
+    FastAPI would list every one, several times over, in seconds and hundreds of megabytes.
+    """
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """Returns what serves a request."""
+        handle = super().get_route_handler()
+        model = None if self.body_field is None else _model(self.body_field.field_info.annotation)
+        if model is None:
+            return handle
+
+        async def handle_bounded(request: Request) -> Response:
+            body = await request.body()
+            if len(body) > _LARGE_BODY:
+                _check_large(body, model)
+            return await handle(request)
+
+        return handle_bounded
+
+
+def _model(annotation: Any) -> type[BaseModel] | None:
+    candidates = (annotation, *get_args(annotation))
+    return next((c for c in candidates if isinstance(c, type) and issubclass(c, BaseModel)), None)
+
+
+def _check_large(body: bytes, model: type[BaseModel]) -> None:
+    """Refuses a body with many mistakes; one with few, or that is no JSON, is left to FastAPI."""
+    try:
+        content = from_json(body)
+    except ValueError:
+        return
+    try:
+        model.model_validate(content)
+    except ValidationError as error:
+        count = error.error_count()
+        if count <= MAX_PROBLEMS:
+            return
+        listed = first_errors(error, model, content)[:MAX_PROBLEMS]
+        problems = [
+            Problem(pointer=json_pointer(one["loc"]), code=one["type"], message=one["msg"])
+            for one in listed
+        ]
+        raise ApiError(
+            HTTPStatus.UNPROCESSABLE_ENTITY,
+            "the request cannot be used",
+            problems=(*problems, further_problems(count - len(listed))),
+        ) from None

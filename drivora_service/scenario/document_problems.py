@@ -43,10 +43,8 @@ def structural_problems(
     first = first_errors(error, model, content)
     found = [one for one in first if not _is_echo(one)]
     problems = [
-        Problem(
-            pointer=pointer(_tokens(details)), code=details["type"], message=_message(details, model)
-        )
-        for details in found[:MAX_PROBLEMS]
+        Problem(pointer=pointer(_tokens(one)), code=one["type"], message=_message(one, model))
+        for one in found[:MAX_PROBLEMS]
     ]
     if len(found) > MAX_PROBLEMS:
         echoes = len(first) - len(found)

@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 import yaml
 
-from drivora_service.errors import InvalidDocument, Problem, further_problems
+from drivora_service.errors import FurtherProblems, InvalidDocument, Problem, further_problems
 
 MAX_DOCUMENT_BYTES = 4 * 1024 * 1024
 MAX_YAML_BYTES = 256 * 1024
@@ -67,9 +67,10 @@ def plain_data(
     if not isinstance(content, dict):
         raise refusal("not_an_object", f"found {kind_of(content)}; {what} is one object with keys")
     problems = _odd_values(content)
-    fatal = tuple(problem for problem in problems if problem.code in ("odd_key", "more_problems"))
-    if fatal:
-        raise InvalidDocument(fatal)
+    if any(problem.code == "odd_key" for problem in problems):
+        raise InvalidDocument(
+            tuple(p for p in problems if p.code == "odd_key" or isinstance(p, FurtherProblems))
+        )
     return content, problems
 
 
@@ -192,9 +193,7 @@ def _odd_values(content: Any) -> list[Problem]:
     problems: list[Problem] = []
     seen = 0
     stack: list[tuple[tuple[str | int, ...], Any]] = [((), content)]
-    while stack:
-        if len(problems) >= MAX_PROBLEMS:
-            return [*problems[:MAX_PROBLEMS], further_problems(0, stopped=True)]
+    while stack and len(problems) <= MAX_PROBLEMS:
         place, value = stack.pop()
         children: Iterable[tuple[Any, Any]]
         if isinstance(value, dict):
@@ -216,17 +215,19 @@ def _odd_values(content: Any) -> list[Problem]:
         for key, child in children:
             if not _is_plain(child):
                 stack.append(((*place, key), child))
+    if len(problems) > MAX_PROBLEMS:
+        return [*problems[:MAX_PROBLEMS], further_problems(0, stopped=True)]
     return problems
 
 
-def _is_plain(value: object) -> bool:
-    """Returns whether a value is none that has to be looked at; fast, as most values are."""
+def _is_plain(value: Any) -> bool:
+    """Returns whether a value is neither a container nor odd; fast, as most values are so."""
     kind = type(value)
     if kind is float:
-        return math.isfinite(value)  # type: ignore[arg-type] # a float
+        return math.isfinite(value)
     if kind is str:
-        return _is_plain_text(value)  # type: ignore[arg-type] # a str
-    return kind is bool or value is None or (kind is int and abs(value) <= MAX_INTEGER)  # type: ignore[arg-type] # an int
+        return _is_plain_text(value)
+    return kind is bool or value is None or (kind is int and abs(value) <= MAX_INTEGER)
 
 
 def _is_plain_text(value: str) -> bool:
@@ -240,10 +241,10 @@ def _odd_keys(place: tuple[str | int, ...], value: Mapping[Any, Any]) -> list[Pr
             code="repeated_key",
             message=f"found key {str(key)[:80]!r} more than once; give it once",
         )
-        for key in islice(getattr(value, "repeated", ()), MAX_PROBLEMS)
+        for key in islice(getattr(value, "repeated", ()), MAX_PROBLEMS + 1)
     ]
     for key in value:
-        if len(problems) >= MAX_PROBLEMS:
+        if len(problems) > MAX_PROBLEMS:
             break
         if type(key) is str and _is_plain_text(key):
             continue

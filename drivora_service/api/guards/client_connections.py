@@ -82,7 +82,7 @@ class BoundedConnection(H11Protocol):
         self._key = client_key(self.client)
         own = self._of_client.setdefault(self._key, {})
         own[self] = None
-        most_own = max(1, self.most // 2) if self.most_of_a_client is None else self.most_of_a_client
+        most_own = self.most_of_a_client or max(1, self.most // 2)
         if len(own) > most_own and not self._replace_idle(own):
             if len(own) > most_own + most_own // 8:
                 self._cut_off("connections")

@@ -35,7 +35,9 @@ class ClientWaits:
     turn, as a small body that came with its head, is not counted.
     """
 
-    def __init__(self, *, most_of_a_client: int = MOST_OF_A_CLIENT, most: int = MOST_OF_ALL) -> None:
+    def __init__(
+        self, *, most_of_a_client: int = MOST_OF_A_CLIENT, most: int = MOST_OF_ALL
+    ) -> None:
         """Creates the bound.
 
         Args:
