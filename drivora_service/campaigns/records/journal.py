@@ -53,6 +53,10 @@ class Journal(Protocol):
         """Returns every violation of every evaluation, in order."""
         ...
 
+    def open_numbers(self) -> frozenset[int]:
+        """Returns the numbers of the evaluations whose failures were not run again yet."""
+        ...
+
     def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
         """Writes whether an identical run repeated the failures of an evaluation."""
         ...
@@ -123,6 +127,11 @@ class MemoryJournal:
     def failures(self) -> tuple[Failure, ...]:
         """Returns every violation of every evaluation, in order."""
         return tuple(self._failures)
+
+    def open_numbers(self) -> frozenset[int]:
+        """Returns the numbers of the evaluations whose failures were not run again yet."""
+        is_open = Confirmation.OPEN
+        return frozenset(one.evaluation for one in self._failures if one.confirmation is is_open)
 
     def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
         """Stores whether an identical run repeated the failures of an evaluation."""

@@ -140,6 +140,12 @@ class StoreJournal:
         with self._database.read() as transaction:
             return transaction.evaluations.failures(self._campaign_id)
 
+    def open_numbers(self) -> frozenset[int]:
+        """Returns the numbers of the evaluations whose failures were not run again yet."""
+        self.flush()
+        with self._database.read() as transaction:
+            return transaction.evaluations.open_numbers(self._campaign_id)
+
     def confirm(self, number: int, confirmation: Confirmation, trace: str) -> None:
         """Writes whether an identical run repeated the failures of an evaluation."""
         with self._write() as transaction:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import islice
 
 from drivora_service.campaigns.evaluator import Evaluator
 from drivora_service.campaigns.records.journal import Journal
@@ -12,6 +13,8 @@ from drivora_service.runs.run_report import RunReport, RunSpec
 from drivora_service.store.campaigns.campaign_records import CampaignRequest, Confirmation
 
 _POLL_S = 0.5
+_AT_ONCE = 1024
+"""Runs that are submitted and not answered: more than any machine has workers."""
 
 
 def confirm_failures(
@@ -41,24 +44,24 @@ def confirm_failures(
     Raises:
         CampaignError: A run was lost.
     """
-    open_numbers = {f.evaluation for f in journal.failures() if f.confirmation is Confirmation.OPEN}
+    open_numbers = journal.open_numbers()
+    waiting = (one for one in journal.evaluations(violating=True) if one.number in open_numbers)
     expected: dict[int, str] = {}
-    for record in journal.evaluations(violating=True):
-        if record.number in open_numbers:
-            expected[record.number] = record.report.trace_sha256
-    evaluator.submit(
-        [
-            (
-                number,
-                RunSpec(
-                    run_id=f"{run_prefix}-{number}-again",
-                    document=journal.document(number),
-                    trace_path="" if trace_address is None else trace_address(trace_name(number)),
-                ),
-            )
-            for number in expected
-        ]
-    )
+
+    def submit() -> None:
+        """Submits further runs; not all at once, as each holds its document."""
+        new: list[tuple[int, RunSpec]] = []
+        for record in islice(waiting, _AT_ONCE - len(expected)):
+            number = record.number
+            expected[number] = record.report.trace_sha256
+            address = "" if trace_address is None else trace_address(trace_name(number))
+            run_id = f"{run_prefix}-{number}-again"
+            document = journal.document(number)
+            new.append((number, RunSpec(run_id=run_id, document=document, trace_path=address)))
+        if new:
+            evaluator.submit(new)
+
+    submit()
     while expected:
         request = requested()
         if request is not CampaignRequest.NONE:
@@ -71,6 +74,8 @@ def confirm_failures(
             trace = trace_name(answer.number) if kept else ""
             journal.confirm(answer.number, confirmation, trace)
             on_confirmed(answer.number, confirmation)
+        if len(expected) <= _AT_ONCE // 2:
+            submit()
     return CampaignRequest.NONE
 
 

@@ -7,6 +7,8 @@ the budget, but for one simulation, as long as its tester proposes.
 
 from __future__ import annotations
 
+from array import array
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -66,8 +68,8 @@ class Turn:
         self.part, self.place = part, place
         self.valid = 0
         self.is_dry = False
-        self._numbers: list[int] = []
-        self._places: dict[int, int] = {}
+        # In eight bytes each; they only grow, so that a place is found by bisection.
+        self._numbers = array("q")
 
     def take(self, proposal: Proposal, number: int) -> Proposal:
         """Counts a proposal of the tester; returns it with the numbers of the campaign.
@@ -86,7 +88,6 @@ class Turn:
                     f"{len(self._numbers)} before, numbered from 0"
                 )
         parents = tuple(self._numbers[parent] for parent in proposal.parents)
-        self._places[number] = len(self._numbers)
         self._numbers.append(number)
         self.valid += 1
         return replace(proposal, parents=parents)
@@ -94,12 +95,16 @@ class Turn:
     def of_tester(self, evaluation: Evaluation) -> Evaluation:
         """Returns an evaluation of the campaign with the numbers of the tester."""
         proposal = evaluation.proposal
-        parents = tuple(self._places[parent] for parent in proposal.parents)
+        parents = tuple(self._place_of(parent) for parent in proposal.parents)
         return replace(
             evaluation,
-            number=self._places[evaluation.number],
+            number=self._place_of(evaluation.number),
             proposal=replace(proposal, parents=parents),
         )
+
+    def _place_of(self, number: int) -> int:
+        """Returns the number that the tester has for a candidate of the campaign."""
+        return bisect_left(self._numbers, number)
 
 
 class Turns:

@@ -143,6 +143,18 @@ class EvaluationRepository:
         )
         return tuple(failure_of(row) for row in self._session.scalars(query))
 
+    def open_numbers(self, campaign_id: str) -> frozenset[int]:
+        """Returns the numbers of the evaluations whose failures were not run again yet.
+
+        Raises:
+            UnknownName: There is no such campaign.
+        """
+        campaign = campaign_row(self._session, campaign_id)
+        query = select(FailureRow.number).where(
+            FailureRow.campaign_seq == campaign.seq, FailureRow.confirmation == Confirmation.OPEN
+        )
+        return frozenset(self._session.scalars(query))
+
     def confirm(
         self, campaign_id: str, number: int, confirmation: Confirmation, *, trace: str
     ) -> None:

@@ -19,8 +19,8 @@ from sqlalchemy import Boolean, Connection, Delete, Dialect, Insert, Update
 Row = dict[str, Any]
 """Values of a statement by the names of its parameters."""
 
-_KNOWN_TIMES = 4096
-"""Converted values that are kept: the times of a run are in several of its rows."""
+_KNOWN_TIMES = 256
+"""Converted values that are kept of each column: those of the runs that one transaction writes."""
 
 _Convert = Callable[[Any], Any]
 

@@ -7,6 +7,9 @@ from functools import partial
 
 from sqlalchemy import URL, Connection, Engine, create_engine, event
 
+_MOST_CACHED = 32 << 20
+"""Bytes of the pages that a process keeps; the system keeps the file itself."""
+
 
 def sqlite_engine(url: URL, *, patience_s: float) -> Engine:
     """Returns an engine whose transactions have consistent views and survive a loss of power.
@@ -36,6 +39,8 @@ def _configure(patience_s: float, connection: sqlite3.Connection, _record: objec
         cursor.execute("PRAGMA foreign_keys = ON")
         cursor.execute(f"PRAGMA busy_timeout = {round(1000 * patience_s)}")
         cursor.execute("PRAGMA cache_size = -65536")
+        # Of all connections of the process; else each grows with the database up to that size.
+        cursor.execute(f"PRAGMA soft_heap_limit = {_MOST_CACHED}")
     except sqlite3.Error:
         # The pool does not own the connection yet, so nothing else would close it.
         connection.close()
