@@ -209,8 +209,7 @@ def report(measured: Sequence[Sample], state: str, wanted: int, command: str) ->
         "| | first | after a tenth | last | most | spread | growth a simulation, bytes |",
         "|---|---|---|---|---|---|---|",
     ]
-    for name in FITTED:
-        lines.append(_row(name, measured, settled))
+    lines += [_row(name, measured, settled) for name in FITTED]
     lines += ["", "| simulations | minutes | server MiB | engine MiB | database MiB |"]
     lines += ["|---|---|---|---|---|"]
     lines += [

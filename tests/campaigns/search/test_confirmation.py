@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from drivora_service.campaigns.records.journal import MemoryJournal
+from drivora_service.campaigns.search import confirmation
 from drivora_service.campaigns.search.confirmation import confirm_failures, group_failures
 from drivora_service.errors import CampaignError
 from drivora_service.runs.run_report import RunFailure, RunReport, RunSpec, RunStatus
@@ -97,3 +98,15 @@ def test_a_lost_run_is_no_answer(journal: MemoryJournal) -> None:
     with pytest.raises(CampaignError, match="was lost"):
         confirm_failures(journal, Computed(work=lost), run_prefix="test", trace_address=None)
     assert {f.confirmation for f in journal.failures()} == {Confirmation.OPEN}
+
+
+def test_few_runs_are_held_at_the_same_time(
+    journal: MemoryJournal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(confirmation, "_AT_ONCE", 4)
+    evaluator = Computed()
+    assert len(failing(journal)) > 8
+    confirm_failures(journal, evaluator, run_prefix="test", trace_address=None)
+    assert sorted(evaluator.submitted) == failing(journal)
+    assert evaluator.most_under_way == 4
+    assert journal.open_numbers() == frozenset()
