@@ -7,7 +7,7 @@ from functools import partial
 
 from sqlalchemy import URL, Connection, Engine, create_engine, event
 
-_MOST_CACHED = 32 << 20
+_MOST_CACHED = 16 << 20
 """Bytes of the pages that a process keeps; the system keeps the file itself."""
 
 

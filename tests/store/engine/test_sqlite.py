@@ -16,4 +16,4 @@ def test_the_caches_of_all_connections_have_one_bound(tmp_path: Path) -> None:
             bound = connection.execute(text("PRAGMA soft_heap_limit")).scalar_one()
     finally:
         engine.dispose()
-    assert 0 < bound <= 32 << 20
+    assert 0 < bound <= 16 << 20
