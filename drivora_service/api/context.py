@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from fastapi import Depends, Request
 
-from drivora_service.api_paths import PREFIX
 from drivora_service.api.guards.client_waits import MOST_OF_A_CLIENT
+from drivora_service.api_paths import PREFIX
 
 if TYPE_CHECKING:
     from drivora_service.agents.catalogue import AgentCatalogue

@@ -21,8 +21,9 @@ _FEW = 2000
 _FIRST = 2 * MAX_PROBLEMS
 _MORE = 8
 """Factor by which the beginning grows while it has too few errors."""
-_OF_WHOLES = frozenset({"too_short", "value_error", "assertion_error"})
-"""Errors that an object or list may have only because a part of it was left out."""
+_OF_WHOLES = frozenset({"value_error", "assertion_error"})
+"""Errors that a value may have only because a part of it was left out. A list is not too short for
+that: what is left of it is longer than any least length."""
 
 Place = tuple[str | int, ...]
 

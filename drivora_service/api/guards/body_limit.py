@@ -10,9 +10,9 @@ from types import MappingProxyType
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from drivora_service.api.guards.path_prefix import public_path
 from drivora_service.api.guards.client_counts import ClientCounts
 from drivora_service.api.guards.client_waits import MOST_OF_A_CLIENT, ClientWaits, client_key
+from drivora_service.api.guards.path_prefix import public_path
 from drivora_service.api.problem_details import ApiError, problem_response
 
 DRAIN_SECONDS = 2.0
