@@ -69,13 +69,14 @@ def problems_of_document(scenario: Scenario, agents: Collection[str] | None) -> 
         return error.problems
     except ValidationError as error:
         # No document can be made of it: what there is stands for it as a user would write it.
+        content = document_content(scenario)
         with pytest.raises(InvalidDocument) as caught:
-            validate_data(document_content(scenario), NETWORKS, agents)
+            validate_data(content, NETWORKS, agents)
         if [problem.code for problem in caught.value.problems] == ["too_large"]:
             # Its parts are not read.
             return caught.value.problems
         named = {problem.pointer for problem in caught.value.problems}
-        malformed = structural_problems(error, ScenarioDocument)
+        malformed = structural_problems(error, ScenarioDocument, content)
         assert named >= {problem.pointer for problem in malformed}
         return caught.value.problems
     return ()

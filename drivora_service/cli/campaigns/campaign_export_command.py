@@ -91,7 +91,7 @@ def export(
         )
         return
     for path in done.added:
-        say(path)
+        say(str(path))
     if done.is_new:
         note(f"{done.suite_file} is new")
     note(f"{len(done.added)} scenarios added to {suite}, {done.known} were there already")
