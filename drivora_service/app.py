@@ -29,16 +29,18 @@ from drivora_service.execution.dispatcher import Dispatcher
 from drivora_service.execution.housekeeping import Housekeeping
 from drivora_service.execution.infrastructure import Infrastructure, folder_probe
 from drivora_service.execution.ownership import Ownership
+from drivora_service.execution.start_check import StartCheck
 from drivora_service.networks.catalogue import NetworkCatalogue, shipped_networks
 from drivora_service.oracles.laws.sources import read_law_sources
 from drivora_service.retention_settings import retention
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
-from drivora_service.store.database import make_data_folder, open_database
+from drivora_service.store.database import database_file, make_data_folder, open_database
 from drivora_service.store.locks.command_locks import CommandLocks
 from drivora_service.store.locks.server_folder import ServerFolder
 from drivora_service.store.locks.work_locks import WorkKind
 from drivora_service.store.traces.stored_traces import find_trace_path
+from drivora_service.store.upkeep.lost_runs import refuse_lost_runs
 from drivora_service.studies.service_studies import ServiceStudies
 from drivora_service.suites.minimization.minimization_runner import MinimizationRunner
 from drivora_service.trace_settings import trace_places
@@ -89,6 +91,7 @@ def create_service(
     Raises:
         ConfigurationError: The settings would open the service to others without tokens.
         Conflict: Another process serves this data folder.
+        StoreDamaged: The database is damaged, or has lost its runs.
         StoreError: The database cannot be used.
     """
     settings = with_shared_paths(settings)
@@ -96,9 +99,13 @@ def create_service(
     make_data_folder(settings.data_dir)
     exclusive = settings.resolved_database_url.startswith("sqlite")
     folder = ServerFolder(settings.data_dir, is_shared=not exclusive)
-    database = open_database(settings.resolved_database_url, patience_s=_LOCK_TIMEOUT_S)
     places = trace_places(settings)
     traces = places.of_runs()
+    # Before a migration, and anything else, writes to the file.
+    start_check = StartCheck(database_file(settings.resolved_database_url))
+    database = open_database(settings.resolved_database_url, patience_s=_LOCK_TIMEOUT_S)
+    refuse_lost_runs(database, traces, settings.campaigns_dir)
+    database.checkpoint()
     workers_folder = folder.logs
     infrastructure = Infrastructure(
         {
@@ -108,6 +115,7 @@ def create_service(
         },
         on_fatal=on_fatal,
     )
+    database.damage.listen(partial(infrastructure.note_damage, "database"))
     executor = start_executor(
         settings, slots=settings.workers, folder=workers_folder, shared_folder=workers_folder
     )
@@ -181,9 +189,11 @@ def create_service(
             campaigns.start()
             minimizations.wake()
             housekeeping.start()
+            start_check.start(database.damage)
             _log.info("ready", workers=executor.capacity, data_dir=str(settings.data_dir))
             yield
         finally:
+            start_check.stop()
             housekeeping.stop()
             drain(0.0)
             executor.close()

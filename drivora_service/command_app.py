@@ -40,9 +40,11 @@ from drivora_service.oracles.laws.sources import read_law_sources
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
 from drivora_service.store.command_database import CommandDatabase
+from drivora_service.store.database import Database
 from drivora_service.store.locks.command_locks import CommandLocks
 from drivora_service.store.traces.stored_traces import find_trace_path
 from drivora_service.store.traces.trace_places import TracePlaces
+from drivora_service.store.upkeep.lost_runs import refuse_lost_runs
 from drivora_service.studies.command_studies import CommandSetup, CommandStudies
 from drivora_service.suites.minimization.minimization_runner import MinimizationRunner
 from drivora_service.trace_settings import trace_places
@@ -132,6 +134,7 @@ class CommandRuns:
         ownership = Ownership(
             database, RetryPolicy(), CommandLocks(settings.data_dir), is_command=True
         )
+        database.damage.listen(partial(infrastructure.note_damage, "database"))
         dispatcher = Dispatcher(
             database, executor, self._places.of_runs(), infrastructure, ownership
         )
@@ -166,15 +169,18 @@ def create_command_app(
     """
     settings = with_shared_paths(settings)
     plugin = evaluator_plugins().plugin(evaluator)
+    places = trace_places(settings)
+
+    def prepare(opened: Database) -> None:
+        refuse_lost_runs(opened, places.of_runs(), settings.campaigns_dir)
+        cancel_runs_of_dead_commands(opened, RetryPolicy(), CommandLocks(settings.data_dir))
+
     database = CommandDatabase(
         settings.data_dir,
         settings.resolved_database_url,
         makes_data=makes_data,
-        on_opened=lambda opened: cancel_runs_of_dead_commands(
-            opened, RetryPolicy(), CommandLocks(settings.data_dir)
-        ),
+        on_opened=prepare,
     )
-    places = trace_places(settings)
     trace_path = partial(find_trace_path, database, places.of_runs())
     runs = CommandRuns(settings, database, places, workers or settings.workers)
     catalogues = Catalogues(

@@ -18,6 +18,7 @@ The tree::
     ├── CampaignError          a campaign cannot be started, resumed or compared
     ├── StoreError             the database or a trace file cannot be used
     │   ├── StoreUnavailable   the database cannot be used at the moment
+    │   │   └── StoreDamaged   it is damaged, and must be restored
     │   ├── TraceDamaged       the trace file of a run is not the one that was recorded
     │   ├── Conflict           the request conflicts with the stored state
     │   ├── NothingStored      there is no database where one is to be read
@@ -257,6 +258,13 @@ class StoreUnavailable(StoreError):
     """The database cannot be used at the moment: it is locked, or its disk is full or missing.
 
     The request has not been done and may be repeated unchanged.
+    """
+
+
+class StoreDamaged(StoreUnavailable):
+    """The database is damaged: nothing is stored before it is restored.
+
+    No run and no campaign is to blame, and the request may be repeated after that.
     """
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import structlog
 
-from drivora_service.errors import StoreError, StoreUnavailable
+from drivora_service.errors import StoreDamaged, StoreError, StoreUnavailable
 from drivora_service.execution.executor import Executor
 from drivora_service.execution.infrastructure import Infrastructure
 from drivora_service.execution.interval import Interval
@@ -160,7 +160,9 @@ class Dispatcher:
         self._executor.wake()
 
     def _turn_or_end(self) -> None:
-        if self._stopping.is_set() and (not self._in_flight or time.monotonic() >= self._stop_at):
+        # In a damaged database no end can be written, so that none is waited for.
+        is_over = time.monotonic() >= self._stop_at or bool(self._database.damage.found)
+        if self._stopping.is_set() and (not self._in_flight or is_over):
             self._thread.stop()
             return
         self._turn()
@@ -383,6 +385,9 @@ class Dispatcher:
             # The executor, which is closed later, may still perform some. They do no harm: their
             # ends are not written, and each attempt has a trace of its own.
             self._ownership.leave(sorted(self._in_flight))
+        except StoreDamaged:
+            # Nothing is stored any more; with the restored database, the runs are queued again.
+            return
         except StoreError as error:
             # The next server takes the runs over.
             _log.error("lease_release_failed", error=str(error))

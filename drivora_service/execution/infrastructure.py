@@ -11,7 +11,7 @@ from pathlib import Path
 
 import structlog
 
-from drivora_service.errors import StoreError
+from drivora_service.errors import StoreDamaged, StoreError
 from drivora_service.execution.supervised import SupervisedThread
 from drivora_service.fault_log import FaultLog
 
@@ -64,6 +64,7 @@ class Infrastructure:
         """
         self._probes = dict(probes)
         self._found = dict.fromkeys(self._probes, "")
+        self._lasting: dict[str, str] = {}
         self._on_change: Callable[[], None] = lambda: None
         self._faults = FaultLog(_log)
         self._probing = threading.Lock()
@@ -79,13 +80,17 @@ class Infrastructure:
         return "; ".join(f"{c.name}: {c.fault}" for c in self.conditions() if c.fault)
 
     def fault_for(self, seconds: float) -> str:
-        """Returns the fault if there has been one without a break for some seconds, else ""."""
+        """Returns the fault if there has been one without a break for some seconds, else "".
+
+        One that does not end is returned at once.
+        """
         since = self._fault_since
         begun = self._begun_at
         if since is None and begun is not None:
             # A probe that hangs.
             since = begun
-        if since is None or time.monotonic() - since < seconds:
+        waits = since is None or time.monotonic() - since < seconds
+        if waits and not self._lasting:
             return ""
         return self.fault
 
@@ -95,7 +100,8 @@ class Infrastructure:
         silent = begun is not None and time.monotonic() - begun > _HANG_S
         hung = f"writing has not ended for {_HANG_S:g} s; look at its disk" if silent else ""
         return tuple(
-            Condition(name=name, fault=fault or hung) for name, fault in self._found.items()
+            Condition(name=name, fault=self._lasting.get(name, "") or fault or hung)
+            for name, fault in self._found.items()
         )
 
     def confirm_now(self) -> str:
@@ -108,6 +114,17 @@ class Infrastructure:
             # The thread shall probe again soon, and not only at its next turn.
             self._again.set()
         return self.fault
+
+    def note_damage(self, name: str, fault: str) -> None:
+        """Keeps a fault that does not end before the process does; written to the log once.
+
+        Args:
+            name: Name of the storage.
+            fault: What is wrong and what to do.
+        """
+        self._lasting[name] = fault
+        _log.error(f"{name}_damaged", reason=fault)
+        self._on_change()
 
     def start(self, *, on_change: Callable[[], None]) -> None:
         """Starts the thread that probes.
@@ -154,6 +171,9 @@ class Infrastructure:
     def _try(self, name: str, probe: Probe) -> str:
         try:
             probe()
+        except StoreDamaged as error:
+            # Its first finder has called note_damage().
+            return str(error)
         except (OSError, StoreError) as error:
             self._faults.error(f"{name}_not_writable", reason=str(error))
             return str(error)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import structlog
 
+from drivora_service.errors import StoreDamaged
 from drivora_service.fault_log import FaultLog
 
 _log = structlog.get_logger(__name__)
@@ -36,9 +37,10 @@ class SupervisedThread:
     """Repeats a function in a thread until :meth:`stop` is called.
 
     An exception of the function is logged, at most once a minute, and the function is called again
-    after a pause. After too many consecutive failures that no known fault of the infrastructure
-    explains, the thread ends and calls ``on_fatal``: a process without this thread is of no use,
-    and its supervisor must restart it.
+    after a pause; that of a damaged database is logged by its finder only. After too many
+    consecutive failures that no known fault of the infrastructure explains, the thread ends and
+    calls ``on_fatal``: a process without this thread is of no use, and its supervisor must restart
+    it.
     """
 
     def __init__(
@@ -102,6 +104,11 @@ class SupervisedThread:
         while not self._stopping.is_set():
             try:
                 self._turn()
+            except StoreDamaged:
+                # Reported once, by the part that found it, and not before a restart over.
+                failures += 1
+                self._is_explained()
+                self._stopping.wait(self._backoff.pause_s(failures))
             except Exception as error:
                 failures += 1
                 unexplained = 0 if self._is_explained() else unexplained + 1

@@ -25,6 +25,8 @@ from drivora_service.store.campaigns.study_repository import StudyRepository
 from drivora_service.store.changes.change_counter import ChangeCounter
 from drivora_service.store.changes.change_lists import ChangeRepository
 from drivora_service.store.changes.revisions import revise
+from drivora_service.store.engine.checkpoints import CHECKPOINT_S, Checkpoints
+from drivora_service.store.engine.damage_latch import DamageLatch
 from drivora_service.store.engine.foreign_databases import refuse_foreign_database
 from drivora_service.store.engine.postgresql import lock_writing, postgresql_engine, reading_options
 from drivora_service.store.engine.sqlite import sqlite_engine
@@ -176,12 +178,22 @@ class Database:
 
     Attributes:
         changes: Counter that changes with every commit.
+        damage: What is known to be damaged; nothing is written from then on.
+        file: File of an SQLite database; ``None``: it is none.
         locks: Locks on pieces of long work.
     """
 
-    def __init__(self, engine: Engine, *, patience_s: float = PATIENCE_S) -> None:
+    def __init__(
+        self,
+        engine: Engine,
+        *,
+        patience_s: float = PATIENCE_S,
+        checkpoint_s: float = CHECKPOINT_S,
+    ) -> None:
         self.engine = engine
-        self._file = _file_of(engine)
+        self.damage = DamageLatch()
+        self._checkpoints = Checkpoints(engine, every_s=checkpoint_s)
+        self.file = _file_of(engine)
         self.changes = ChangeCounter(engine)
         self._is_postgresql = engine.dialect.name == "postgresql"
         self.locks = _work_locks(engine)
@@ -207,7 +219,7 @@ class Database:
         Raises:
             StoreError: The database cannot be used.
         """
-        with store_errors(self._file), self._readers() as session:
+        with store_errors(self.file, self.damage), self._readers() as session:
             yield Transaction(session)
 
     @contextmanager
@@ -215,18 +227,28 @@ class Database:
         """Opens a transaction that is committed at the end, or rolled back.
 
         Raises:
+            StoreDamaged: The database is damaged.
             StoreUnavailable: Another writer is not done in time, or the disk is full or gone.
             StoreError: The database cannot be used.
         """
+        self.damage.refuse()
         with (
             self._turn_to_write(),
-            store_errors(self._file),
+            store_errors(self.file, self.damage),
             self._writers() as session,
             session.begin(),
         ):
             if self._is_postgresql:
                 lock_writing(session)
             yield Transaction(session)
+        self._checkpoints.make_if_due()
+
+    def checkpoint(self) -> None:
+        """Moves all commits from the write-ahead log into the file of the database.
+
+        For moments without other transactions, for whose end it would wait.
+        """
+        self._checkpoints.make(truncates=True)
 
     def probe(self) -> None:
         """Commits a write that changes nothing; a storage without a fault allows it.
@@ -335,11 +357,14 @@ def open_database(
             refuse_while_used(_work_locks(engine))
 
         try:
-            migrate(engine, before_migration=check)
+            is_migrated = migrate(engine, before_migration=check)
         except BaseException:
             engine.dispose()
             raise
-    return Database(engine, patience_s=patience_s)
+    database = Database(engine, patience_s=patience_s)
+    if is_migrated:
+        database.checkpoint()
+    return database
 
 
 def make_data_folder(folder: Path) -> None:

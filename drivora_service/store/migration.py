@@ -41,7 +41,7 @@ _VERSION = Table(
 _VERSIONS = Path(__file__).parent / "migrations" / "versions"
 
 
-def migrate(engine: Engine, *, before_migration: Callable[[], None] = lambda: None) -> None:
+def migrate(engine: Engine, *, before_migration: Callable[[], None] = lambda: None) -> bool:
     """Migrates to the newest schema; does nothing to a database that has it.
 
     Args:
@@ -49,14 +49,17 @@ def migrate(engine: Engine, *, before_migration: Callable[[], None] = lambda: No
         before_migration: Called before a database of an older version is changed; raises to
             prevent that.
 
+    Returns:
+        Whether a database of an older version was changed.
+
     Raises:
         StoreError: The database was written by a newer version.
     """
     current = schema_version(engine)
     if current == newest_revision():
-        return
+        return False
     if not current and engine.dialect.name == "sqlite" and _make_schema_if_empty(engine):
-        return
+        return False
     script = _scripts()
     known = {revision.revision for revision in script.walk_revisions()}
     if current and current not in known:
@@ -66,6 +69,7 @@ def migrate(engine: Engine, *, before_migration: Callable[[], None] = lambda: No
             f"one, or {CHOOSE}"
         )
     upgrade(engine, before_migration=before_migration)
+    return True
 
 
 def upgrade(

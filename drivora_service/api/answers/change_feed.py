@@ -16,7 +16,7 @@ import structlog
 from drivora_service.api.answers.worker_view import workers_now
 from drivora_service.api.problem_details import ApiError
 from drivora_service.api.schemas.workers import Workers
-from drivora_service.errors import StoreError
+from drivora_service.errors import StoreDamaged, StoreError
 from drivora_service.fault_log import FaultLog
 from drivora_service.store.campaigns.study_records import state_of
 from drivora_service.store.changes.change_lists import ChangedKind, ChangeList
@@ -218,6 +218,9 @@ class ChangeFeed:
                 try:
                     # The counter was read before, so that no change is overlooked.
                     self._advance(await self.read(lambda transaction: transaction.changes.latest()))
+                    seen = version
+                except StoreDamaged:
+                    # Known and reported; streams stay open without changes.
                     seen = version
                 except Exception as error:
                     # Whatever it is: streams would stay open and never tell a change again.

@@ -16,6 +16,7 @@ from prometheus_client.registry import Collector
 from drivora_service.api.context import ApiContext
 from drivora_service.api.guards.client_counts import ClientCounts
 from drivora_service.api.guards.request_times import RequestTimes
+from drivora_service.errors import StoreDamaged
 from drivora_service.runs.run_report import RunStatus
 from drivora_service.store.runs.run_records import OwnerRecord
 
@@ -62,10 +63,14 @@ class _StoreCollector(Collector):
         self._context = context
 
     def collect(self) -> Iterator[Metric]:
-        with self._context.database.read() as transaction:
-            counts = transaction.jobs.counts()
-            owners = transaction.workers.living_owners()
-            figures = transaction.figures.figures()
+        try:
+            with self._context.database.read() as transaction:
+                counts = transaction.jobs.counts()
+                owners = transaction.workers.living_owners()
+                figures = transaction.figures.figures()
+        except StoreDamaged:
+            # The figures of the fault tell it, and must not be lost with these.
+            return
         runs = GaugeMetricFamily("drivora_runs", "Runs by status", labels=["status"])
         for status, count in counts.items():
             runs.add_metric([status.value], count)

@@ -14,6 +14,7 @@ import structlog
 from drivora_service.campaigns.hosts.campaign_requests import hand_over
 from drivora_service.campaigns.hosts.engine_process import (
     CANNOT_RUN,
+    DAMAGED,
     EngineSetup,
     log_tail,
     run_engine,
@@ -138,8 +139,13 @@ class CampaignSupervisor:
     def _end_engines(self) -> None:
         for engine in self._engines.values():
             engine.close()
+        self._engines.clear()
 
     def _turn(self) -> None:
+        if self._database.damage.found:
+            # They do not know it, and would go on writing. Their campaigns keep their states.
+            self._end_engines()
+            self._database.damage.refuse()
         if self._listen():
             self._on_queued()
         for engine in list(self._engines.values()):
@@ -231,6 +237,10 @@ class CampaignSupervisor:
 
     def _clean_up(self, engine: RunningEngine, code: int) -> None:
         campaign_id = engine.campaign_id
+        if code == DAMAGED:
+            # The reason is the last line of its log; the next turn ends the other engines.
+            self._database.damage.note(log_tail(self._setup.log(campaign_id), 1))
+            return
         with self._database.read() as transaction:
             record = transaction.campaigns.get(campaign_id)
             request = transaction.campaigns.request_of(campaign_id)

@@ -21,7 +21,13 @@ from drivora_service.campaigns.records.campaign_folder import CampaignFolder
 from drivora_service.campaigns.records.stored_campaigns import run_stored
 from drivora_service.campaigns.search.conducting import Watcher
 from drivora_service.campaigns.search.tester_calls import limit_memory
-from drivora_service.errors import Conflict, DrivoraError, PluginError, StoreUnavailable
+from drivora_service.errors import (
+    Conflict,
+    DrivoraError,
+    PluginError,
+    StoreDamaged,
+    StoreUnavailable,
+)
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.oracles.laws.sources import LawSource
 from drivora_service.store.campaigns.campaign_warnings import CampaignWarning
@@ -33,6 +39,9 @@ from drivora_service.worker.parent_death import die_with_parent
 CANNOT_RUN = 75
 """Exit code of a process that cannot run its campaign now: it is not queued, another process has
 taken it over, or the database cannot be used."""
+
+DAMAGED = 76
+"""Exit code of a process that found the database damaged."""
 
 _FAILED = 1
 _PATIENCE_S = 60.0
@@ -104,6 +113,14 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
     signal.signal(signal.SIGTERM, _interrupt_once)
     limit_memory(setup.limits.memory_bytes)
     print(f"process {os.getpid()} runs campaign {campaign_id}", flush=True)
+    try:
+        _run_campaign(setup, campaign_id, queued)
+    except StoreDamaged as error:
+        print(f"campaign {campaign_id}: {error}", flush=True)
+        sys.exit(DAMAGED)
+
+
+def _run_campaign(setup: EngineSetup, campaign_id: str, queued: Connection) -> None:
     board = CallBoard(setup.board(campaign_id))
     database = open_database(setup.database_url, patience_s=_PATIENCE_S)
     with database.read() as transaction:
@@ -140,6 +157,8 @@ def run_engine(setup: EngineSetup, campaign_id: str, queued: Connection) -> None
             only_queued=True,
             is_locked=True,
         )
+    except StoreDamaged:
+        raise
     except DrivoraError as error:
         _say(f"campaign {campaign_id}: {error}")
         if isinstance(error, PluginError):

@@ -64,6 +64,7 @@ def verify(
     as_json: JsonOption = False,
 ) -> None:
     """Looks for contradictions in what is stored; exits with 1 if there is any."""
+    from drivora_service.cli.application.installation import settings_for
     from drivora_service.observations.trace_files.trace_file import read_trace
     from drivora_service.observations.trace_files.trace_hash import trace_sha256
     from drivora_service.store.upkeep.store_verification import verify as verify_store
@@ -75,6 +76,7 @@ def verify(
         found = verify_store(
             database,
             traces,
+            campaigns=settings_for(data_dir).campaigns_dir,
             campaign_traces=campaign_traces,
             hash_trace=hash_trace if hashes else None,
         )
@@ -120,10 +122,12 @@ def prune(
     from drivora_service.errors import ConfigurationError
     from drivora_service.retention_settings import retention
     from drivora_service.store.upkeep.free_space import refuse_rewriting, rewrite_database
+    from drivora_service.store.upkeep.lost_runs import refuse_lost_runs
     from drivora_service.store.upkeep.pruning import prune as prune_store
     from drivora_service.store.upkeep.retention import retain
 
-    kept = retention(settings_for(data_dir))
+    settings = settings_for(data_dir)
+    kept = retention(settings)
     now = datetime.now(UTC)
     if older_than is None and (keep_violated or only_traces or kept.keeps_everything):
         raise ConfigurationError(
@@ -131,6 +135,8 @@ def prune(
             "DRIVORA_RETAIN_PASSED_RUNS_DAYS or another DRIVORA_RETAIN_… setting"
         )
     with _open_store(data_dir) as (database, traces, campaign_traces):
+        # What would be removed is the last evidence of the runs.
+        refuse_lost_runs(database, traces, settings.campaigns_dir)
         if compact:
             refuse_rewriting(database)
         if older_than is None:

@@ -36,6 +36,15 @@ def make_folder_error(folder: Path, error: OSError) -> StoreError:
     return StoreError(f"the data folder {folder} cannot be written: {reason}; {CHOOSE}")
 
 
+def advise_restore(file: Path) -> str:
+    """Returns how to replace a damaged file of a database by that of a backup."""
+    return (
+        f"restore it: stop the service, move {file}, {file.name}-wal and {file.name}-shm away, "
+        f"`cp BACKUP/drivora.sqlite3 {file}` (`drivora store backup BACKUP` makes a backup), "
+        f"`drivora store verify`, and start the service again; or {CHOOSE}"
+    )
+
+
 def explain_sqlite_error(file: Path, name: str) -> str:
     """Returns what is wrong with the file of a database, and what to do; "" if that is unknown.
 
@@ -44,12 +53,9 @@ def explain_sqlite_error(file: Path, name: str) -> str:
         name: Symbolic name of SQLite's error code: ``SQLITE_FULL``.
     """
     if name.startswith("SQLITE_NOTADB"):
-        return f"{file} is no SQLite database; move the file away, or {CHOOSE}"
+        return f"{file} is no SQLite database; {advise_restore(file)}"
     if name.startswith("SQLITE_CORRUPT"):
-        return (
-            f"{file} is damaged; restore it from a backup (`drivora store backup` makes one), or "
-            f"{CHOOSE}"
-        )
+        return f"{file} is damaged; {advise_restore(file)}"
     if name == "SQLITE_FULL":
         return (
             f"the disk of {file} is full; free space there (`drivora store prune` removes old "

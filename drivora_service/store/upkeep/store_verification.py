@@ -13,6 +13,7 @@ from drivora_service.errors import StoreError
 from drivora_service.observations.trace_files.stored_trace import find_file
 from drivora_service.runs.run_report import UNFINISHED, RunStatus
 from drivora_service.store.database import Database
+from drivora_service.store.engine.storage_faults import explain_sqlite_error
 from drivora_service.store.runs.run_tables import BatchRow, ReportRow, RunRow
 from drivora_service.store.traces.trace_folders import FailureTraces, RunTraces, run_ids
 from drivora_service.store.upkeep.campaign_verification import (
@@ -22,12 +23,19 @@ from drivora_service.store.upkeep.campaign_verification import (
 )
 from drivora_service.store.upkeep.contradictions import Finding
 from drivora_service.store.upkeep.facet_verification import facet_findings
+from drivora_service.store.upkeep.lost_runs import find_lost_runs
+
+_STRAY = (
+    "no judged run has this trace: a kill left it, or the database lost its last changes or is an "
+    "older backup; `drivora store prune` removes it"
+)
 
 
 def verify(
     database: Database,
     traces: RunTraces,
     *,
+    campaigns: Path | None = None,
     campaign_traces: FailureTraces | None = None,
     hash_trace: Callable[[Path], str] | None = None,
 ) -> Iterator[Finding]:
@@ -36,13 +44,18 @@ def verify(
     Args:
         database: Read in one transaction, so a server may run meanwhile.
         traces: Folder of the traces of runs.
+        campaigns: Folder of the folders of campaigns; ``None``: not checked.
         campaign_traces: Folder of the traces of failures; ``None``: not checked.
         hash_trace: Returns the hash of a trace file, to compare with the run's; ``None``: only the
             existence of the files is checked.
     """
     with database.read() as transaction:
         session = transaction.session
-        yield from _damage(session)
+        damage = tuple(_damage(session, database))
+        yield from damage
+        if damage:
+            # Whatever else does not fit may be due to it.
+            return
         yield from _reports(session)
         yield from _counts(session)
         yield from facet_findings(session)
@@ -54,6 +67,10 @@ def verify(
         expected = {row.id: (row.attempts, row.trace_sha256) for row in rows}
         # Running runs may have a trace already.
         unfinished = set(session.scalars(select(RunRow.id).where(RunRow.status.in_(UNFINISHED))))
+    lost = find_lost_runs(database, traces, campaigns)
+    if lost is not None:
+        yield Finding(kind="lost_runs", subject=lost.place, message=lost.message)
+        return
     for run_id, (attempt, sha256) in expected.items():
         yield from _trace(run_id, partial(traces.path, run_id, attempt), sha256, hash_trace)
     if campaign_traces is not None:
@@ -68,19 +85,24 @@ def verify(
                 yield Finding(
                     kind="trace_without_run",
                     subject=traces.address(run_id),
-                    message="no judged run has this trace; `drivora store prune` removes it",
+                    message=_STRAY,
                 )
     except OSError as error:
         message = f"the traces cannot be listed: {error}"
         yield Finding(kind="damaged_trace", subject=traces.place, message=message)
 
 
-def _damage(session: Session) -> Iterator[Finding]:
-    if session.get_bind().dialect.name != "sqlite":
+def _damage(session: Session, database: Database) -> Iterator[Finding]:
+    if database.file is None:
         return
-    for (message,) in session.execute(text("PRAGMA integrity_check")):
-        if message != "ok":
-            yield Finding(kind="damaged_database", subject="", message=message)
+    found = [message for (message,) in session.execute(text("PRAGMA integrity_check"))]
+    damage = [" ".join(message.split()) for message in found if message != "ok"]
+    for message in damage:
+        yield Finding(kind="damaged_database", subject=database.file.name, message=message)
+    if damage:
+        advice = explain_sqlite_error(database.file, "SQLITE_CORRUPT")
+        yield Finding(kind="damaged_database", subject=database.file.name, message=advice)
+        return
     for table, rowid, parent, _ in session.execute(text("PRAGMA foreign_key_check")):
         message = f"row {rowid} of {table} refers to a missing row of {parent}"
         yield Finding(kind="damaged_database", subject=table, message=message)
