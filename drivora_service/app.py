@@ -35,11 +35,17 @@ from drivora_service.oracles.laws.sources import read_law_sources
 from drivora_service.retention_settings import retention
 from drivora_service.runs.lifecycle import RetryPolicy
 from drivora_service.settings import Settings
-from drivora_service.store.database import database_file, make_data_folder, open_database
+from drivora_service.store.database import (
+    Database,
+    database_file,
+    make_data_folder,
+    open_database,
+)
 from drivora_service.store.locks.command_locks import CommandLocks
 from drivora_service.store.locks.server_folder import ServerFolder
 from drivora_service.store.locks.work_locks import WorkKind
 from drivora_service.store.traces.stored_traces import find_trace_path
+from drivora_service.store.traces.trace_folders import RunTraces
 from drivora_service.store.upkeep.lost_runs import refuse_lost_runs
 from drivora_service.studies.service_studies import ServiceStudies
 from drivora_service.suites.minimization.minimization_runner import MinimizationRunner
@@ -103,9 +109,7 @@ def create_service(
     traces = places.of_runs()
     # Before a migration, and anything else, writes to the file.
     start_check = StartCheck(database_file(settings.resolved_database_url))
-    database = open_database(settings.resolved_database_url, patience_s=_LOCK_TIMEOUT_S)
-    refuse_lost_runs(database, traces, settings.campaigns_dir)
-    database.checkpoint()
+    database = _open_database(settings, traces)
     workers_folder = folder.logs
     infrastructure = Infrastructure(
         {
@@ -244,6 +248,17 @@ def create_service(
         stop_draining=dispatcher.stop_draining,
         end_requests=end_requests,
     )
+
+
+def _open_database(settings: Settings, traces: RunTraces) -> Database:
+    database = open_database(settings.resolved_database_url, patience_s=_LOCK_TIMEOUT_S)
+    try:
+        refuse_lost_runs(database, traces, settings.campaigns_dir)
+    except BaseException:
+        database.close()
+        raise
+    database.checkpoint()
+    return database
 
 
 def _engine_setup(settings: Settings) -> EngineSetup:

@@ -14,7 +14,7 @@ import pytest
 from sqlalchemy import make_url, text
 from sqlalchemy.exc import DBAPIError
 
-from drivora_service.errors import StoreError, StoreUnavailable
+from drivora_service.errors import StoreDamaged, StoreError, StoreUnavailable
 from drivora_service.store.changes.revisions import latest_revision
 from drivora_service.store.database import Database, database_file, open_database
 from drivora_service.store.engine import postgresql as connections
@@ -359,3 +359,18 @@ def test_what_is_about_files_names_the_tool_of_the_server(
 
 def database_name(url: str) -> str:
     return make_url(url).database or ""
+
+
+@pytest.mark.parametrize("state", ["XX001", "XX002"])
+def test_damaged_data_and_indices_are_latched(url: str, state: str) -> None:
+    """The server itself raises the errors: data_corrupted and index_corrupted."""
+    database = open_database(url)
+    statement = text(f"DO $$ BEGIN RAISE EXCEPTION 'bad page' USING ERRCODE = '{state}'; END $$")
+    with (
+        pytest.raises(StoreDamaged, match=r"bad page.*`pg_restore`"),
+        database.read() as transaction,
+    ):
+        transaction.session.execute(statement)
+    with pytest.raises(StoreDamaged, match="bad page"):
+        database.probe()
+    database.close()

@@ -59,7 +59,7 @@ def small_volume(tmp_path: Path) -> Iterator[Path]:
 
 def test_a_text_in_place_of_a_database(file: Path) -> None:
     file.write_text("This is no database, but a text that is long enough to be looked at.")
-    assert "is no SQLite database; move the file away" in refused(file)
+    assert "is no SQLite database; restore it: stop the service, move" in refused(file)
 
 
 def test_a_folder_in_place_of_a_database(file: Path) -> None:
@@ -107,7 +107,7 @@ def test_a_damaged_database(file: Path) -> None:
     content = bytearray(file.read_bytes())
     content[1024:] = b"x" * (len(content) - 1024)
     file.write_bytes(content)
-    assert "is damaged; restore it from a backup" in refused(file)
+    assert "is damaged; restore it: stop the service, move" in refused(file)
 
 
 def test_a_full_volume(small_volume: Path) -> None:
