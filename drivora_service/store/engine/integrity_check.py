@@ -15,8 +15,11 @@ from drivora_service.errors import StoreDamaged
 from drivora_service.store.engine.storage_faults import explain_sqlite_error
 from drivora_service.store.engine.store_errors import damage_name
 
-_LAST = ("reports", "documents")
-"""The largest tables. A damage there concerns few runs, one elsewhere the whole service."""
+_FIRST = ("alembic_version", "owners", "runs", "batches", "attempts", "change_epochs")
+"""The tables that every start and every claim of a run reads and writes."""
+
+_LAST = ("documents", "reports")
+"""The largest tables. A damage there concerns few runs."""
 
 _LOOK_S = 0.05
 """Seconds between two looks whether the check is to end."""
@@ -79,7 +82,8 @@ class IntegrityCheck:
         if self._rest is None:
             found = connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")
             tables = [name for (name,) in found]
-            self._rest = ["sqlite_master", *sorted(tables, key=lambda name: name in _LAST)]
+            tables.sort(key=lambda name: (name in _LAST, name not in _FIRST))
+            self._rest = ["sqlite_master", *tables]
         while self._rest:
             # The pragma without a table would check all of them in one statement.
             name = self._rest[0].replace('"', '""')

@@ -58,7 +58,8 @@ def store_errors(file: Path | None = None, damage: DamageLatch | None = None) ->
         damaged = damage_name(error)
         if damaged:
             explained = _RESTORE_POSTGRESQL if file is None else explain_sqlite_error(file, damaged)
-            message = f"the database is damaged: {reason}: {explained}"
+            # PostgreSQL adds lines about where it was.
+            message = f"the database is damaged: {' '.join(reason.split())}: {explained}"
             if damage is not None:
                 damage.note(message)
             raise StoreDamaged(message) from error

@@ -22,6 +22,7 @@ from drivora_service.store.campaigns.campaign_records import (
 from drivora_service.store.database import Database
 from drivora_service.store.locks.work_locks import LongWork
 from tests.campaigns.hosts.engine_service import WAITING, Service, wait_until
+from tests.damaged_files import overwrite_page
 
 pytestmark = pytest.mark.slow
 
@@ -184,3 +185,21 @@ def test_the_message_of_an_engine_is_kept(service: Service, content: dict[str, A
     service.supervisor.start()
     failed = service.until(CampaignState.FAILED, campaign)
     assert "has changed since campaign" in failed.message
+
+
+def test_a_damage_that_an_engine_finds_ends_all_engines_and_blames_no_campaign(
+    service: Service, campaign: dict[str, Any]
+) -> None:
+    healthy = service.post(campaign)
+    service.supervisor.start()
+    pid = service.engine(healthy)
+    file = service.database.file
+    assert file is not None
+    overwrite_page(file, "evaluations")
+    unlucky = service.post(campaign)
+    service.supervisor.wake()
+    wait_until(lambda: bool(service.database.damage.found))
+    wait_until(lambda: not psutil.pid_exists(pid))
+    assert "the database is damaged" in service.database.damage.found
+    states = {service.record(one).state for one in (healthy, unlucky)}
+    assert states <= {RUNNING, QUEUED}
