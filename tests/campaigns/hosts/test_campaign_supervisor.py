@@ -188,15 +188,15 @@ def test_the_message_of_an_engine_is_kept(service: Service, content: dict[str, A
 
 
 def test_a_damage_that_an_engine_finds_ends_all_engines_and_blames_no_campaign(
-    service: Service, campaign: dict[str, Any]
+    service: Service, content: dict[str, Any]
 ) -> None:
-    healthy = service.post(campaign)
+    healthy = service.post(content)
     service.supervisor.start()
     pid = service.engine(healthy)
     file = service.database.file
     assert file is not None
-    overwrite_page(file, "evaluations")
-    unlucky = service.post(campaign)
+    overwrite_page(file, "runs")
+    unlucky = service.post(content)
     service.supervisor.wake()
     wait_until(lambda: bool(service.database.damage.found))
     wait_until(lambda: not psutil.pid_exists(pid))
