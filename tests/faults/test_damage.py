@@ -14,7 +14,7 @@ import time
 import httpx
 import pytest
 
-from tests.damaged_files import overwrite_bytes, page_of
+from tests.damaged_files import overwrite_bytes, overwrite_page, page_of
 from tests.faults.conftest import Judge
 from tests.faults.service_under_test import ROOT, Service
 from tests.faults.work import good_runs
@@ -42,7 +42,7 @@ def refused_start(service: Service) -> str:
     before = len(service.log.read_text())
     service.launch()
     assert service.process is not None
-    assert service.process.wait(60.0) == 3, service.log_tail()
+    assert service.process.wait(120.0) == 3, service.log_tail()
     service.process = None
     return service.log.read_text()[before:]
 
@@ -90,7 +90,7 @@ def test_a_page_overwritten_while_runs_wait(
     told = [line for line in service.log.read_text()[before:].splitlines() if line.strip()]
     service.stop()
     # The end may have written the page anew as well.
-    overwrite_bytes(service.data / NAME, *page)
+    overwrite_page(service.data / NAME, name)
     damaged_start = refused_start(service)
     verified = command(service, "store", "verify")
     ran = command(service, "runs", "list")

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from sqlalchemy import func, select, text
+from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from drivora_service.errors import StoreError
@@ -14,6 +15,7 @@ from drivora_service.observations.trace_files.stored_trace import find_file
 from drivora_service.runs.run_report import UNFINISHED, RunStatus
 from drivora_service.store.database import Database
 from drivora_service.store.engine.storage_faults import explain_sqlite_error
+from drivora_service.store.engine.store_errors import damage_name
 from drivora_service.store.runs.run_tables import BatchRow, ReportRow, RunRow
 from drivora_service.store.traces.trace_folders import FailureTraces, RunTraces, run_ids
 from drivora_service.store.upkeep.campaign_verification import (
@@ -95,7 +97,13 @@ def verify(
 def _damage(session: Session, database: Database) -> Iterator[Finding]:
     if database.file is None:
         return
-    found = [message for (message,) in session.execute(text("PRAGMA integrity_check"))]
+    try:
+        found = [message for (message,) in session.execute(text("PRAGMA integrity_check"))]
+    except DBAPIError as error:
+        if not damage_name(error):
+            raise
+        # It reads rows as well, and ends at some damages.
+        found = [str(error.orig)]
     damage = [" ".join(message.split()) for message in found if message != "ok"]
     for message in damage:
         yield Finding(kind="damaged_database", subject=database.file.name, message=message)

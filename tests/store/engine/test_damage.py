@@ -17,6 +17,8 @@ from drivora_service.store.database import Database, open_database
 from drivora_service.store.engine import integrity_check
 from drivora_service.store.engine.damage_latch import DamageLatch
 from drivora_service.store.engine.integrity_check import IntegrityCheck
+from drivora_service.store.traces.trace_folders import TraceFolder
+from drivora_service.store.upkeep.store_verification import verify
 from tests.damaged_files import overwrite_bytes, overwrite_page
 from tests.store.samples import only_sqlite, submit
 
@@ -108,7 +110,8 @@ def test_a_check_ends_in_time_and_goes_on_where_it_ended(
 def test_a_damage_found_by_a_reader_refuses_writers_until_a_restart(
     sqlite_database: Database,
 ) -> None:
-    database, told = sqlite_database, []
+    database = sqlite_database
+    told: list[str] = []
     submit(database, 300)
     file = database.file
     assert file is not None
@@ -139,8 +142,21 @@ def test_bytes_that_are_no_text_are_a_damage(database: Database) -> None:
         transaction.session.execute(text("SELECT name FROM batches")).all()
 
 
+@pytest.mark.parametrize("damage", [table, index])
+def test_a_verification_reports_the_damage_alone(
+    file: Path, damage: Callable[[Path], None]
+) -> None:
+    damage(file)
+    database = open_database(f"sqlite:///{file}")
+    findings = tuple(verify(database, TraceFolder(file.parent / "traces")))
+    database.close()
+    assert {finding.kind for finding in findings} == {"damaged_database"}
+    assert f"{RESTORE}{file}" in findings[-1].message
+
+
 def test_the_first_damage_counts() -> None:
-    latch, told = DamageLatch(), []
+    latch = DamageLatch()
+    told: list[str] = []
     latch.refuse()
     latch.note("one page")
     latch.note("another page")
