@@ -238,7 +238,7 @@ def test_a_file_that_is_no_database_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "x.sqlite3"
     path.write_bytes(b"this is not a database" * 100)
     # What was raised is kept, and with it all that its frames hold.
-    with pytest.raises(StoreError, match="cannot be used") as refusal:
+    with pytest.raises(StoreError, match="is no SQLite database") as refusal:
         open_database(f"sqlite:///{path}")
     assert refusal.value.__traceback__ is not None
     assert str(path) not in {file.path for file in psutil.Process().open_files()}
