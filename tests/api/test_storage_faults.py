@@ -12,6 +12,7 @@ from typing import Any
 import httpx
 
 from tests.api.conftest import MakeOffline
+from tests.damaged_files import overwrite_page
 
 THREADS = 40
 """Those of the application; requests that wait for the database in all of them leave none."""
@@ -61,6 +62,28 @@ def test_a_known_fault_refuses_what_would_be_stored_and_nothing_else(
     assert client.post("/api/v1/scenarios:validate", json=scenario).is_success
     assert client.get(f"/api/v1/jobs/{job}").is_success
     assert client.post(f"/api/v1/jobs/{job}:cancel").status_code == 202
+
+
+def test_a_damaged_page_is_no_internal_error(
+    make_offline: MakeOffline, scenario: dict[str, Any]
+) -> None:
+    """Requests that read or write it get 503, then all that write, and the others go on."""
+    offline = make_offline()
+    client, database = offline.client, offline.context.database
+    assert client.post("/api/v1/jobs", json=scenario).status_code == 202
+    assert database.file is not None
+    database.checkpoint()
+    database.engine.dispose()
+    overwrite_page(database.file, "runs")
+    for answer in (client.get("/api/v1/runs"), client.post("/api/v1/jobs", json=scenario)):
+        assert answer.status_code == 503, answer.text
+        assert answer.headers["Content-Type"] == "application/problem+json"
+        assert int(answer.headers["Retry-After"]) > 0
+        assert "`cp BACKUP/drivora.sqlite3 " in answer.json()["detail"]
+    assert client.get("/api/v1/campaigns").is_success
+    metrics = httpx.get(f"{client.base_url}/metrics")
+    assert metrics.is_success
+    assert "drivora_fault" in metrics.text
 
 
 def test_health_needs_no_thread_and_no_database(make_offline: MakeOffline) -> None:
