@@ -16323,6 +16323,7 @@ export interface operations {
                      *     drivora_fault{check="workers"} 0.0
                      *     drivora_fault{check="campaigns"} 0.0
                      *     drivora_fault{check="accepting"} 0.0
+                     *     drivora_fault{check="tokens"} 0.0
                      *     # HELP drivora_traces_free_bytes Free bytes of the volume that holds the traces
                      *     # TYPE drivora_traces_free_bytes gauge
                      *     drivora_traces_free_bytes 50000000000.0
@@ -16355,13 +16356,26 @@ export interface operations {
                      *     drivora_database_bytes 1000000.0
                      *     # HELP drivora_slot_busy Whether a worker slot runs something
                      *     # TYPE drivora_slot_busy gauge
-                     *     drivora_slot_busy{slot="slot-0"} 0.0
+                     *     drivora_slot_busy{slot="slot-0"} 1.0
                      *     # HELP drivora_slot_memory_bytes Memory of a slot's worker
                      *     # TYPE drivora_slot_memory_bytes gauge
                      *     drivora_slot_memory_bytes{slot="slot-0"} 200000000.0
                      *     # HELP drivora_slot_restarts_total Worker processes replaced
                      *     # TYPE drivora_slot_restarts_total counter
                      *     drivora_slot_restarts_total{slot="slot-0"} 2.0
+                     *     # HELP drivora_clients_left_total Clients that closed the connection in the middle of a request or an answer
+                     *     # TYPE drivora_clients_left_total counter
+                     *     drivora_clients_left_total{during="request"} 0.0
+                     *     drivora_clients_left_total{during="answer"} 0.0
+                     *     drivora_clients_left_total{during="events"} 1.0
+                     *     # HELP drivora_clients_cut_off_total Connections and requests that the service ended, as they were too many or too slow
+                     *     # TYPE drivora_clients_cut_off_total counter
+                     *     drivora_clients_cut_off_total{reason="connections"} 0.0
+                     *     drivora_clients_cut_off_total{reason="head"} 0.0
+                     *     drivora_clients_cut_off_total{reason="body"} 0.0
+                     *     drivora_clients_cut_off_total{reason="bodies"} 0.0
+                     *     drivora_clients_cut_off_total{reason="answer"} 0.0
+                     *     drivora_clients_cut_off_total{reason="answers"} 0.0
                      */
                     "text/plain": string;
                 };
