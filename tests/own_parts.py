@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
@@ -30,6 +31,7 @@ from drivora_service.oracles.verdict import (
     violated,
 )
 from drivora_service.search.aims import Guidance
+from drivora_service.search.budget_bounds import within_budget
 from drivora_service.search.components import Components
 from drivora_service.search.mutation import GaussianMutation
 from drivora_service.search.plugin import TesterPlugin
@@ -104,7 +106,7 @@ METRIC = MetricPlugin(
 
 @dataclass(frozen=True, kw_only=True)
 class ClimberParameters:
-    children: int = 4
+    children: Annotated[int, within_budget(1)] = 4
 
 
 def climb(context: TesterContext, parameters: ClimberParameters, _: Components) -> Script:

@@ -287,7 +287,12 @@ def test_testers_and_their_parameters(offline: Offline) -> None:
     assert avfuzzer["generational"] is True
     population, *_ = avfuzzer["parameters"]
     assert (population["name"], population["default"]) == ("population", 4)
-    assert population["values"] == {"minimum": 2, "type": "integer"}
+    assert population["values"] == {
+        "minimum": 2,
+        "maximum": 10_000,
+        "type": "integer",
+        "x-within-budget": True,
+    }
     for tester in testers.values():
         assert all(parameter["description"] for parameter in tester["parameters"]), tester["name"]
 

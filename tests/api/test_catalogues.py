@@ -86,7 +86,15 @@ def test_health_and_readiness(offline: Offline, http: httpx.Client) -> None:
     checks = {check["name"]: check["ok"] for check in without_workers.json()["checks"]}
     assert checks == {"workers": False}
     whole = {check["name"] for check in http.get("/readyz").json()["checks"]}
-    assert whole == {"database", "traces", "data", "workers", "campaigns", "accepting"}
+    assert whole == {
+        "database",
+        "traces",
+        "data",
+        "workers",
+        "campaigns",
+        "accepting",
+        "tokens",
+    }
 
 
 def test_metrics_count_runs(http: httpx.Client, finished_run: dict[str, object]) -> None:

@@ -94,10 +94,10 @@ def test_ids_and_filters_of_odd_characters(offline: Offline, odd: str) -> None:
     assert 400 <= answer.status_code < 500
 
 
-def test_names_that_people_read_may_hold_anything_but_nul(
+def test_names_that_people_read_may_hold_all_that_does_not_act(
     offline: Offline, scenario: dict[str, Any]
 ) -> None:
-    for label, status in (("%00", 422), ("a%00", 422), ("%E6%BC%A2%E5%AD%97", 202), ("%0A", 202)):
+    for label, status in (("%00", 422), ("a%00", 422), ("%E6%BC%A2%E5%AD%97", 202), ("%0A", 422)):
         for path in (f"jobs?label={label}", f"batches?name={label}"):
             body = [scenario] if "batches" in path else scenario
             assert offline.client.post(f"/api/v1/{path}", json=body).status_code == status, path
@@ -147,12 +147,13 @@ def test_odd_headers(offline: Offline, scenario: dict[str, Any]) -> None:
         ("Authorization", b"Basic"),
         ("Cookie", b"a=\xff; ;="),
         ("Expect", b"the-unexpected"),
-        ("X-Forwarded-For", b"::::"),
     ):
         assert offline.client.get(job, headers=[(name.encode(), value)]).status_code == 200, (
             name,
             value,
         )
+    # Without a token, what came through a proxy is refused, however it is written.
+    assert offline.client.get(job, headers=[(b"X-Forwarded-For", b"::::")]).status_code == 403
     for charset in ("utf-16", "nonsense", '"utf-8', "utf-8;;"):
         kind = {"Content-Type": f"application/json; charset={charset}"}
         content = json.dumps(scenario).encode()

@@ -17,7 +17,7 @@ from drivora_service.errors import InvalidDocument
 from drivora_service.oracles.verdicts.failure_definition import Counted
 from tests.fuzzing.harness import check_refusal
 from tests.scenario.conftest import GOOD
-from tests.scenario.strategies import garbled, json_values, optional, texts
+from tests.scenario.strategies import garbled, json_values, names, optional, texts
 
 numbers = st.fixed_dictionaries(
     {},
@@ -36,7 +36,7 @@ numbers = st.fixed_dictionaries(
 )
 campaigns = st.fixed_dictionaries(
     {
-        "name": texts.filter(bool),
+        "name": names,
         "tester": st.fixed_dictionaries(
             {"name": st.sampled_from(["random", "avfuzzer", "behavexplor", "samota", "drivefuzz"])},
             optional=optional(feedback=st.sampled_from([str(mode) for mode in FeedbackMode])),

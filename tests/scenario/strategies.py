@@ -13,6 +13,10 @@ percentages = st.floats(0, 100, allow_nan=False)
 times = st.floats(0, 100, allow_nan=False)
 accelerations = st.floats(0.5, 12, allow_nan=False)
 texts = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=8)
+# Controls, formats and separators of lines are refused in names.
+names = st.text(
+    st.characters(exclude_categories=["Cc", "Cf", "Cs", "Zl", "Zp"]), min_size=1, max_size=8
+)
 json_values = st.recursive(
     st.none()
     | st.booleans()

@@ -22,6 +22,8 @@ BEYOND_THE_SCHEMA = frozenset(
         "unknown tester",
         "too gentle braking",
         "tester's parameters",
+        "a tester's parameter beyond all budgets",
+        "a tester's parameter beyond the budget",
         "unknown mutation",
         "unknown selection",
         "unknown agent",
