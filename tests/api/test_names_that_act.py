@@ -70,5 +70,5 @@ def test_runs_of_suites_have_no_such_names(offline: Offline, place: str) -> None
         wanted["outcomes"][0]["scenario"] = EVIL
     else:
         wanted["decision"][place] = EVIL
-    told = "".join(problems(offline.client.post("/api/v1/suite-runs", json=wanted)).values())
-    assert FOUND in told
+    answer = "".join(problems(offline.client.post("/api/v1/suite-runs", json=wanted)).values())
+    assert FOUND in answer

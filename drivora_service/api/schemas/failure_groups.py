@@ -64,7 +64,7 @@ class DecisionRequest(Schema):
     status: GroupStatus | None = Field(None, description="Its status.")
     label: GroupLabel | None = Field(None, description="Its name; empty: told by its `names`.")
     assignee: Annotated[str, Field(max_length=LONGEST_PERSON), CHECKED_NAME] | None = Field(
-        None, description="Who takes care of it; empty: nobody."
+        None, description="Who takes care of it; empty: no one."
     )
     note: Annotated[str, Field(max_length=LONGEST_NOTE), CHECKED_NOTE] | None = Field(
         None, description="A note."

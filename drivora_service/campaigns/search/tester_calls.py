@@ -36,7 +36,7 @@ _WORDS = {
     TesterCall.NONE: "was not called",
     TesterCall.MAKE: "was made",
     TesterCall.ASK: "was asked",
-    TesterCall.TELL: "was told",
+    TesterCall.TELL: "was given results",
 }
 
 

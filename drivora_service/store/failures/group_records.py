@@ -42,7 +42,7 @@ class GroupDecision(Shape):
     Attributes:
         id: Of the group.
         label: Its name; empty: it is told by its `names`.
-        assignee: Who takes care of it; empty: nobody.
+        assignee: Who takes care of it; empty: no one.
         status_at: When the status was set; null if nobody has.
         changed_at: When anything was decided about it; null if nothing was.
         changed_by: Who did so; empty if that is not known.

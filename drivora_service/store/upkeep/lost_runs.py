@@ -35,7 +35,7 @@ def find_lost_runs(
 
     Such a database is new, or was opened without its write-ahead log, or is another one. Rows are
     written before files, and campaigns are never removed. The traces of removed runs may be left
-    by a kill; where not a single run is left either, the two cannot be told apart.
+    by a kill; where not a single run is left either, the two cannot be distinguished.
 
     Args:
         database: Read in one transaction.

@@ -3219,7 +3219,7 @@ export interface components {
         DecisionRequest: {
             /**
              * Assignee
-             * @description Who takes care of it; empty: nobody.
+             * @description Who takes care of it; empty: no one.
              */
             assignee?: string | null;
             /**
@@ -3920,7 +3920,7 @@ export interface components {
         FailureGroup: {
             /**
              * Assignee
-             * @description Who takes care of it; empty: nobody.
+             * @description Who takes care of it; empty: no one.
              * @default
              */
             assignee: string;
