@@ -94,8 +94,10 @@ class BodyLimit:
 
             def give_up() -> None:
                 nonlocal is_given_up
-                is_given_up = True
-                waiting.reschedule(loop.time())
+                # Its own time may be over, and the task that waits has not had its turn yet.
+                if not waiting.expired():
+                    is_given_up = True
+                    waiting.reschedule(loop.time())
 
             async with asyncio.timeout_at(left) as waiting:
                 with self._waits.wait(client, give_up):

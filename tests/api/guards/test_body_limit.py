@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from dataclasses import dataclass, field
 
 import pytest
@@ -12,9 +13,11 @@ from starlette.types import Message, Receive, Scope, Send
 
 from drivora_service.api.guards import body_limit
 from drivora_service.api.guards.body_limit import BodyLimit
+from drivora_service.api.guards.client_counts import ClientCounts
 from drivora_service.api.problem_details import ApiError, problem_response
 
 LIMIT = 1000
+CUT_OFF = "drivora_clients_cut_off_total"
 
 
 async def echo(scope: Scope, receive: Receive, send: Send) -> None:
@@ -156,3 +159,31 @@ def test_a_length_that_is_none(declared: str) -> None:
     }
     asyncio.run(BodyLimit(echo, max_bytes=LIMIT)(scope, client.receive, client.send))
     assert client.answer == {"status": 400, "close": True, "complete": True}
+
+
+def test_a_body_whose_time_is_over_is_not_given_up_as_well() -> None:
+    counts = ClientCounts()
+    faults: list[dict[str, object]] = []
+
+    async def scene() -> None:
+        loop = asyncio.get_running_loop()
+        loop.set_exception_handler(lambda _loop, context: faults.append(context))
+        limit = BodyLimit(echo, max_bytes=LIMIT, body_s=0.1, of_a_client=1, counts=counts)
+
+        def post() -> asyncio.Task[None]:
+            client = Client(chunk=0, chunks=0)
+            scope = {"type": "http", "method": "POST", "path": "/", "headers": []}
+            return asyncio.create_task(limit(scope, client.receive, client.send))
+
+        first = post()
+        await asyncio.sleep(0.05)
+        second = post()
+        # Busy until the time of the first is over: it ends in the turn in which the second begins.
+        time.sleep(0.1)
+        await first
+        await second
+
+    asyncio.run(scene())
+    assert faults == []
+    assert counts.registry.get_sample_value(CUT_OFF, {"reason": "body"}) == 2.0
+    assert counts.registry.get_sample_value(CUT_OFF, {"reason": "bodies"}) == 0.0
