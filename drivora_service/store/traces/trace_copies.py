@@ -97,8 +97,10 @@ class TraceCopies:
             copies.sort(key=_last_use)
             for path in copies[: len(copies) // 2]:
                 shutil.rmtree(path, ignore_errors=True)
-            kept = {path: state for path, state in self._states.items() if path.exists()}
-            self._states = kept
+            # Other threads make copies meanwhile.
+            for path in tuple(self._states):
+                if not path.exists():
+                    self._states.pop(path, None)
 
 
 def _state(found: os.stat_result) -> tuple[int, ...]:
