@@ -45,8 +45,24 @@ class StoredSession(BaseModel):
 _SESSIONS = TypeAdapter(list[StoredSession])
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Loaded:
+    """What a version of the file says.
+
+    Attributes:
+        version: That version; ``None``: the file does not exist.
+        by_hash: Its sessions.
+    """
+
+    version: FileVersion | None
+    by_hash: dict[str, StoredSession]
+
+
 class SessionFile:
-    """The sessions of one installation; they outlast a restart of the service."""
+    """The sessions of one installation; they outlast a restart of the service.
+
+    They are found in the event loop, which therefore never waits for one who writes them.
+    """
 
     def __init__(self, path: Path, tokens: TokenFile) -> None:
         """Reads nothing yet.
@@ -56,11 +72,10 @@ class SessionFile:
             tokens: Tokens with which sessions begin and end.
         """
         self._path, self._tokens = path, tokens
+        # Threads, and servers that share the folder, begin and end sessions in turn.
         self._lock = threading.Lock()
-        # Servers that share the folder begin and end sessions in turn.
         self._writing = UnixFileLock(path.with_suffix(".lock"), thread_local=False, mode=0o600)
-        self._loaded: dict[str, StoredSession] = {}
-        self._version: FileVersion | None = None
+        self._loaded = _Loaded(version=None, by_hash={})
 
     def begin(self, token: StoredToken) -> str:
         """Adds a new session and returns its secret, which is not kept.
@@ -99,16 +114,16 @@ class SessionFile:
         Raises:
             CredentialsUnusable: The file cannot be read.
         """
-        with self._lock:
-            session = self._sessions().get(_hash(secret))
+        session = self._sessions().get(_hash(secret))
         if session is None or session.expires <= datetime.now(UTC):
             return None
         return self._tokens.by_hash(session.token_sha256)
 
     def _sessions(self) -> dict[str, StoredSession]:
+        loaded = self._loaded
         version = self._version_of_file()
-        if version == self._version:
-            return self._loaded
+        if version == loaded.version:
+            return loaded.by_hash
         try:
             found = _SESSIONS.validate_json(self._path.read_bytes())
         except FileNotFoundError:
@@ -117,9 +132,9 @@ class SessionFile:
             raise CredentialsUnusable(
                 f"{self._path} cannot be used: {error}; removing it ends all sessions of pages"
             ) from error
-        self._loaded = {session.sha256: session for session in found}
-        self._version = version
-        return self._loaded
+        # The version was read first: where the content is newer, the next look reads it again.
+        self._loaded = loaded = _Loaded(version=version, by_hash=_by_hash(found))
+        return loaded.by_hash
 
     def _version_of_file(self) -> FileVersion | None:
         try:
@@ -143,8 +158,7 @@ class SessionFile:
             write_secret_file(self._path, _SESSIONS.dump_json(sessions, indent=2))
         except StoreError as error:
             raise CredentialsUnusable(str(error)) from error
-        self._loaded = {session.sha256: session for session in sessions}
-        self._version = self._version_of_file()
+        self._loaded = _Loaded(version=self._version_of_file(), by_hash=_by_hash(sessions))
 
 
 def session_secret(headers: Headers) -> str:
@@ -200,6 +214,10 @@ def token_of(
     """
     credential = credential_of(tokens, sessions, headers)
     return None if credential is None else credential.token
+
+
+def _by_hash(sessions: list[StoredSession]) -> dict[str, StoredSession]:
+    return {session.sha256: session for session in sessions}
 
 
 def _hash(secret: str) -> str:

@@ -6,6 +6,7 @@ import json
 import stat
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 from http.cookies import SimpleCookie
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import Any
 
 import httpx
 import pytest
+from filelock import UnixFileLock
 
 from drivora_service.api.answers import event_stream
 from drivora_service.api.documentation.recorded_examples import SCENARIO
@@ -217,6 +219,24 @@ def test_the_number_of_sessions_is_bounded(
     file = SessionFile(tmp_path / "sessions.json", tokens)
     begun = [file.begin(token) for _ in range(5)]
     assert [file.find(session) is not None for session in begun] == [False] * 2 + [True] * 3
+
+
+def test_a_session_is_found_while_another_one_waits_to_be_written(
+    tmp_path: Path, tokens: TokenFile, secret: str
+) -> None:
+    sessions = SessionFile(tmp_path / "sessions.json", tokens)
+    token = tokens.find(secret)
+    assert token is not None
+    first = sessions.begin(token)
+    with ThreadPoolExecutor(2) as pool:
+        # Another server of the folder writes for long, as on a slow disk.
+        with UnixFileLock(tmp_path / "sessions.lock"):
+            second = pool.submit(sessions.begin, token)
+            with pytest.raises(TimeoutError):
+                second.result(0.1)
+            found = pool.submit(sessions.find, first).result(10.0)
+        assert found == token
+        assert sessions.find(second.result()) == token
 
 
 def test_a_file_that_cannot_be_used_is_named(tmp_path: Path, tokens: TokenFile) -> None:
