@@ -71,17 +71,20 @@ def _beyond_budget(
     plugin: TesterPlugin[Any], parameters: Mapping[str, Any], budget: int
 ) -> Iterator[tuple[str, Problem]]:
     for one in describe_parameters(plugin.parameters):
-        value, schema = parameters.get(one.name), one.schema
-        if not schema.get(WITHIN_BUDGET) or not isinstance(value, int) or isinstance(value, bool):
+        value, schema = parameters.get(one.name), _bounded(one.schema)
+        if schema is None or not isinstance(value, int) or isinstance(value, bool):
             continue
         # A small campaign, for a trial, needs no other parameters than a large one.
-        most = min(max(budget, one.default), schema["maximum"])
+        has_default = isinstance(one.default, int)
+        least = one.default if has_default else schema["minimum"]
+        most = min(max(budget, least), schema["maximum"])
         if value <= most:
             continue
         if most == budget:
             why = "the budget of a seed scenario, as each of these candidates is simulated"
-        elif most == one.default:
-            why = f"the default; the budget of a seed scenario is {budget}"
+        elif most == least:
+            what = "the default" if has_default else "the least value"
+            why = f"{what}; the budget of a seed scenario is {budget}"
         else:
             why = "whatever the budget"
         message = (
@@ -90,6 +93,13 @@ def _beyond_budget(
         )
         pointer = f"/{one.name}"
         yield pointer, Problem(pointer=pointer, code="beyond_budget", message=message)
+
+
+def _bounded(schema: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    """Returns the schema of the numbers that the budget bounds; ``None``: it bounds none."""
+    # A parameter that may also be null has one schema for each.
+    choices = (schema, *schema.get("anyOf", ()))
+    return next((choice for choice in choices if choice.get(WITHIN_BUDGET)), None)
 
 
 def _own_problems(

@@ -60,6 +60,23 @@ def test_the_default_is_allowed_with_a_smaller_budget() -> None:
     assert "from 1 to 30 (the default; the budget of a seed scenario is 4)" in found.message
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WithoutDefaults:
+    needed: Annotated[int, within_budget(2)]
+    optional: Annotated[int, within_budget(2)] | None = None
+
+
+@pytest.mark.parametrize("name", ["needed", "optional"])
+def test_a_parameter_without_a_default_number_is_bounded(name: str) -> None:
+    plugin = replace(OWN, parameters=WithoutDefaults, check=lambda _parameters, _budget: ())
+    assert not list(problems_of_tester(plugin, {"needed": 2, name: 30}, 30))
+    (found,) = problems_of_tester(plugin, {"needed": 2, name: 31}, 30)
+    assert found.pointer == f"/{name}"
+    assert "allowed: an integer from 2 to 30 (the budget" in found.message
+    (found,) = problems_of_tester(plugin, {"needed": 2, name: 3}, 1)
+    assert "from 2 to 2 (the least value; the budget of a seed scenario is 1)" in found.message
+
+
 def test_a_campaign_of_an_earlier_version_is_not_compared_with_its_budget() -> None:
     assert not list(problems_of_tester(SAMOTA, {"initial": 31}, None))
 
