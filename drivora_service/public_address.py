@@ -7,6 +7,9 @@ from urllib.parse import urlsplit
 
 # Characters that no URL has to escape, so that the path is the same in every place it is written.
 _PART = re.compile(r"[A-Za-z0-9][A-Za-z0-9._~-]*")
+_SCHEMES = ("http", "https")
+# Blanks and control characters are skipped by `urlsplit`, and so is the mark of an empty query.
+_NO_ADDRESS = re.compile(r"[\s\x00-\x1f\x7f?#\\]")
 
 OWN_NAMES = frozenset(
     {
@@ -40,18 +43,23 @@ def read_root_path(given: str) -> str:
 
 
 def read_public_url(given: str) -> str:
-    """Returns a public address without the slash at its end.
+    """Returns a public address without the slash at its end, its scheme in lower case.
 
     Raises:
         ValueError: It cannot be used as one.
     """
     if not given:
         return ""
-    url = urlsplit(given)
-    if url.scheme not in ("http", "https") or not url.hostname or url.query or url.fragment:
+    try:
+        url = urlsplit(given)
+        is_address = url.scheme in _SCHEMES and bool(url.hostname) and url.port != 0
+    except ValueError:
+        # Its port is no number, or its host no address in brackets.
+        is_address = False
+    if not is_address or _NO_ADDRESS.search(given):
         raise ValueError("an address is http:// or https://, a host and a path, without ? and #")
     read_root_path(url.path)
-    return given.rstrip("/")
+    return f"{url.scheme}{given[len(url.scheme) :]}".rstrip("/")
 
 
 def path_of(public_url: str) -> str:

@@ -65,8 +65,18 @@ def test_the_path_may_come_with_the_public_address(monkeypatch: pytest.MonkeyPat
     )
 
 
+def test_a_public_address_of_https_is_known_by_its_scheme() -> None:
+    assert load_settings(public_url="HTTPS://Host/drivora").public_url == "https://Host/drivora"
+
+
 @pytest.mark.parametrize(
-    "given", ["host/drivora", "ftp://host/", "https://", "https://host/?a=b", "https://host/api"]
+    "given",
+    [
+        *("host/drivora", "ftp://host/", "https://", "https://host/?a=b", "https://host/api"),
+        *("https://host/?", "https://host/#", "https://host/drivora?", "https://host:port/"),
+        *("https://host:70000/", "https://[::1/", " https://host/", "https://host/dri\nvora"),
+        *("https://ho st/", "https://host/\t", "https://host\\@other/"),
+    ],
 )
 def test_what_is_no_public_address_is_refused(given: str) -> None:
     with pytest.raises(ConfigurationError, match="DRIVORA_PUBLIC_URL: "):
