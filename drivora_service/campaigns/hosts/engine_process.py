@@ -165,8 +165,8 @@ def _run_campaign(setup: EngineSetup, campaign_id: str, queued: Connection) -> N
             _say(error.log)
         sys.exit(CANNOT_RUN if isinstance(error, Conflict | StoreUnavailable) else _FAILED)
     except KeyboardInterrupt:
-        # Its end is stored; a traceback in the log would look like a fault.
-        print(f"campaign {campaign_id}: ended while its tester worked, as requested", flush=True)
+        # What was found is stored; a traceback in the log would look like a fault.
+        print(f"campaign {campaign_id}: its process was asked to end (SIGTERM)", flush=True)
         sys.exit(_FAILED)
     finally:
         database.close()

@@ -149,8 +149,13 @@ def run_stored(
                     watcher=asking,
                 )
         except KeyboardInterrupt:
-            is_cancelled = asking.requested() is CampaignRequest.CANCEL
-            journal.end(CampaignState.CANCELLED if is_cancelled else CampaignState.PAUSED)
+            request = asking.requested()
+            if request is CampaignRequest.CANCEL:
+                journal.end(CampaignState.CANCELLED)
+            elif request is not CampaignRequest.NONE or not is_locked:
+                journal.end(CampaignState.PAUSED)
+            # Else all processes of its service are ended, as by a batch system: the campaign is as
+            # after a kill, and is resumed with the service.
             raise
         except MemoryError as error:
             traceback.clear_frames(error.__traceback__)

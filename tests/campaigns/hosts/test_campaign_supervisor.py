@@ -139,13 +139,15 @@ def test_a_campaign_that_was_paused_while_its_engine_started_does_not_run(
     assert service.record(campaign).state is CampaignState.PAUSED
 
 
+@pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGTERM])
 def test_an_engine_that_is_killed_is_started_again(
-    service: Service, content: dict[str, Any]
+    service: Service, content: dict[str, Any], by: signal.Signals
 ) -> None:
     campaign = service.post(content)
     service.supervisor.start()
     first = service.engine(campaign)
-    os.kill(first, signal.SIGKILL)
+    # Batch systems and users send SIGTERM to all processes of a service that is to end.
+    os.kill(first, by)
     wait_until(lambda: service.engine_pid(campaign) != first)
     assert service.record(campaign).state is RUNNING
     assert service.supervisor.fault == ""

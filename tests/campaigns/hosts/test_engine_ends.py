@@ -84,7 +84,7 @@ def test_a_request_is_followed_although_the_tester_never_comes_back(
     assert time.monotonic() - begun < 20.0
     wait_until(lambda: not any(engine.is_running() for engine in engines))
     log = service.setup.log(cancelled["loop"]).read_text()
-    assert log.endswith("ended while its tester worked, as requested\n")
+    assert log.endswith("its process was asked to end (SIGTERM)\n")
 
 
 def test_the_service_ends_although_a_tester_never_comes_back(
