@@ -279,8 +279,7 @@ def _engine_setup(settings: Settings) -> EngineSetup:
 
 def _tokens(settings: Settings) -> TokenFile:
     """Returns the tokens of a service; one that needs tokens and has none is refused."""
-    always = settings.require_tokens or not settings.listens_on_loopback
-    tokens = TokenFile(settings.tokens_path, always_needed=always)
+    tokens = TokenFile(settings.tokens_path, always_needed=settings.always_needs_tokens)
     make = f"`drivora tokens create NAME --data-dir {settings.data_dir}`"
     if not tokens.are_needed:
         _log.warning(

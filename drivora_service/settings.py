@@ -276,6 +276,11 @@ class Settings(BaseSettings):
         except ValueError:
             return False
 
+    @property
+    def always_needs_tokens(self) -> bool:
+        """Whether a token is needed also before the first one was made."""
+        return self.require_tokens or not self.listens_on_loopback
+
 
 def load_settings(**overrides: object) -> Settings:
     """Reads the environment; ``overrides`` that are not ``None`` take precedence.

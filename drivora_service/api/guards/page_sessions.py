@@ -15,12 +15,11 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from filelock import UnixFileLock
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from starlette.datastructures import Headers
 
 from drivora_service.api.guards.api_tokens import StoredToken, TokenFile
-from drivora_service.api.guards.secret_files import FileVersion, write_secret_file
+from drivora_service.api.guards.secret_files import FileVersion, secret_file, write_secret_file
 from drivora_service.errors import CredentialsUnusable, StoreError
 
 COOKIE = "drivora_session"
@@ -72,9 +71,7 @@ class SessionFile:
             tokens: Tokens with which sessions begin and end.
         """
         self._path, self._tokens = path, tokens
-        # Threads, and servers that share the folder, begin and end sessions in turn.
         self._lock = threading.Lock()
-        self._writing = UnixFileLock(path.with_suffix(".lock"), thread_local=False, mode=0o600)
         self._loaded = _Loaded(version=None, by_hash={})
 
     def begin(self, token: StoredToken) -> str:
@@ -87,7 +84,7 @@ class SessionFile:
         session = StoredSession(
             sha256=_hash(secret), token_sha256=token.sha256, expires=datetime.now(UTC) + LIFETIME
         )
-        with self._lock, self._turn():
+        with self._turn():
             known = {one.sha256 for one in self._tokens.all()}
             live = [
                 one
@@ -103,7 +100,7 @@ class SessionFile:
         Raises:
             CredentialsUnusable: The file cannot be read or written.
         """
-        with self._lock, self._turn():
+        with self._turn():
             sessions = self._sessions()
             if _hash(secret) in sessions:
                 self._write([one for key, one in sessions.items() if key != _hash(secret)])
@@ -144,20 +141,15 @@ class SessionFile:
 
     @contextmanager
     def _turn(self) -> Iterator[None]:
+        """Has threads, and servers that share the folder, begin and end sessions in turn."""
         try:
-            self._writing.acquire()
-        except OSError as error:
-            raise CredentialsUnusable(f"{self._path} cannot be written: {error}") from error
-        try:
-            yield
-        finally:
-            self._writing.release()
-
-    def _write(self, sessions: list[StoredSession]) -> None:
-        try:
-            write_secret_file(self._path, _SESSIONS.dump_json(sessions, indent=2))
+            with self._lock, secret_file(self._path):
+                yield
         except StoreError as error:
             raise CredentialsUnusable(str(error)) from error
+
+    def _write(self, sessions: list[StoredSession]) -> None:
+        write_secret_file(self._path, _SESSIONS.dump_json(sessions, indent=2))
         self._loaded = _Loaded(version=self._version_of_file(), by_hash=_by_hash(sessions))
 
 

@@ -153,14 +153,14 @@ def check_tokens(settings: Settings) -> Iterator[Finding]:
     from drivora_service.api.guards.api_tokens import TokenFile
 
     path = settings.tokens_path
-    always = settings.require_tokens or not settings.listens_on_loopback
-    file = TokenFile(path, always_needed=always)
+    file = TokenFile(path, always_needed=settings.always_needs_tokens)
     if file.fault:
         yield problem("tokens", file.fault, "`drivora tokens list` reads the file, too")
         return
     tokens = file.all()
     if file.are_needed and not tokens:
-        why = f"a service at {settings.host} needs one" if always else "all were revoked"
+        is_new = settings.always_needs_tokens
+        why = f"a service at {settings.host} needs one" if is_new else "all were revoked"
         yield problem("tokens", f"none, and {why}", "`drivora tokens create NAME --scope admin`")
         return
     if path.is_file() and path.stat().st_mode & 0o077:
