@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Sequence
 from http import HTTPStatus
 from typing import Any, get_args
 
@@ -46,20 +46,45 @@ class _BoundedRoute(APIRoute):
     FastAPI would list every one, several times over, in seconds and hundreds of megabytes.
     """
 
+    def __init__(
+        self,
+        path: str,
+        endpoint: Callable[..., Any],
+        *,
+        dependencies: Sequence[Dependency] | None = None,
+        **options: Any,
+    ) -> None:
+        """Creates the operation as the base class does."""
+        # The last one, so that no body is looked at of a client that may not send any.
+        checks = [*(dependencies or ()), Depends(_check_body)]
+        super().__init__(path, endpoint, dependencies=checks, **options)
+
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """Returns what serves a request."""
         handle = super().get_route_handler()
-        model = None if self.body_field is None else _model(self.body_field.field_info.annotation)
-        if model is None:
-            return handle
 
-        async def handle_bounded(request: Request) -> Response:
-            body = await request.body()
-            if len(body) > _LARGE_BODY:
-                _check_large(body, model)
+        async def handle_read(request: Request) -> Response:
+            # FastAPI would take the refusals of `BodyLimit` for a body that it cannot parse.
+            await request.body()
             return await handle(request)
 
-        return handle_bounded
+        return handle if self.body_field is None else handle_read
+
+
+async def _check_body(request: Request) -> None:
+    """Refuses a large body with many mistakes.
+
+    Raises:
+        ApiError: It has more than are listed.
+    """
+    route = request.scope.get("route")
+    if not isinstance(route, _BoundedRoute) or route.body_field is None:
+        return
+    model = _model(route.body_field.field_info.annotation)
+    # It was read before.
+    body = b"" if model is None else await request.body()
+    if model is not None and len(body) > _LARGE_BODY:
+        _check_large(body, model)
 
 
 def _model(annotation: Any) -> type[BaseModel] | None:

@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import json
 import time
+from pathlib import Path
 
 import pytest
 
-from tests.api.conftest import Offline
+from drivora_service.api.guards.api_tokens import Scope, TokenFile
+from tests.api.conftest import MakeOffline, Offline
 
 RUN = "01a1bcbee3570d3ff8ce5b8e"
+
+
+MANY = json.dumps({f"k{number}": 0 for number in range(12_000)})
+JSON = {"Content-Type": "application/json"}
 
 
 @pytest.mark.parametrize(
     "path", [f"/api/v1/runs/{RUN}:minimize", "/api/v1/suite-runs", "/api/v1/failures/groups:merge"]
 )
 def test_of_very_many_mistakes_the_first_are_listed(offline: Offline, path: str) -> None:
-    body = json.dumps({f"k{number}": 0 for number in range(12_000)})
     client = offline.client
     client.post(path, json={"unknown": 1})
     begun = time.process_time()
-    answer = client.post(path, content=body, headers={"Content-Type": "application/json"})
+    answer = client.post(path, content=MANY, headers=JSON)
     assert time.process_time() - begun < 1.0
     assert answer.status_code == 422
     problems = answer.json()["problems"]
@@ -31,3 +36,16 @@ def test_of_very_many_mistakes_the_first_are_listed(offline: Offline, path: str)
         "missing",
         "more_problems",
     }
+
+
+def test_a_client_without_a_token_is_not_told_the_mistakes(
+    make_offline: MakeOffline, tmp_path: Path
+) -> None:
+    tokens = TokenFile(tmp_path / "tokens.json")
+    reader = {"Authorization": f"Bearer {tokens.create('reader', Scope.READ)}"}
+    client = make_offline(tokens=tokens).client
+    answers = [
+        client.post("/api/v1/suite-runs", content=MANY, headers={**JSON, **headers}).status_code
+        for headers in ({}, reader)
+    ]
+    assert answers == [401, 403]
