@@ -84,7 +84,7 @@ class BoundedConnection(H11Protocol):
         own[self] = None
         most_own = self.most_of_a_client or max(1, self.most // 2)
         if len(own) > most_own and not self._replace_idle(own):
-            if len(own) > most_own + most_own // 8:
+            if len(own) > most_own + max(1, most_own // 8):
                 self._cut_off("connections")
                 return
             self.counts.cut_off("connections")
