@@ -10,7 +10,8 @@ from pathlib import Path
 import httpx
 import pytest
 
-from drivora_service.app import create_app
+from drivora_service.app import _engine_setup, create_app
+from drivora_service.campaigns.hosts.engine_limits import EngineLimits
 from drivora_service.errors import Conflict
 from drivora_service.settings import load_settings
 from tests.forked_service import begin_service, wait_until_ready
@@ -54,3 +55,10 @@ def test_an_interrupt_ends_a_service_in_good_order(tmp_path: Path) -> None:
     log = tmp_path / "service.log"
     assert begun.wait(30) == 0, log.read_text()
     assert "Traceback" not in log.read_text()
+
+
+def test_campaigns_have_the_limits_of_the_settings(tmp_path: Path) -> None:
+    settings = load_settings(data_dir=tmp_path, campaign_memory_mb=600, tester_deadline_s=7.0)
+    assert _engine_setup(settings).limits == EngineLimits(memory_bytes=600 << 20, call_s=7.0)
+    unset = load_settings(data_dir=tmp_path)
+    assert _engine_setup(unset).limits == EngineLimits()
