@@ -68,7 +68,16 @@ class WithoutDefaults:
 
 @pytest.mark.parametrize("name", ["needed", "optional"])
 def test_a_parameter_without_a_default_number_is_bounded(name: str) -> None:
-    plugin = replace(OWN, parameters=WithoutDefaults, check=lambda _parameters, _budget: ())
+    plugin: TesterPlugin[WithoutDefaults] = TesterPlugin(
+        name="own",
+        title="Own",
+        description="has parameters without defaults",
+        source="the tests",
+        parameters=WithoutDefaults,
+        feedback=OWN.feedback,
+        create=lambda context, _parameters, _components: RandomTester(context),
+        is_generational=True,
+    )
     assert not list(problems_of_tester(plugin, {"needed": 2, name: 30}, 30))
     (found,) = problems_of_tester(plugin, {"needed": 2, name: 31}, 30)
     assert found.pointer == f"/{name}"
