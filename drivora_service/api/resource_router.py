@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import from_json
 
 from drivora_service.api.documentation.openapi import problem_answer
+from drivora_service.api.guards.authorization import require_any
 from drivora_service.api.guards.query_guard import refuse_unknown_parameters
 from drivora_service.api.problem_details import ApiError, json_pointer
 from drivora_service.api_paths import PREFIX
@@ -41,7 +42,7 @@ def resource_router(tag: str, *dependencies: Dependency) -> APIRouter:
 
 
 class _BoundedRoute(APIRoute):
-    """An operation that lists the first mistakes of a large body.
+    """An operation that lists the first mistakes of a large body, to clients that may send one.
 
     FastAPI would list every one, several times over, in seconds and hundreds of megabytes.
     """
@@ -64,6 +65,10 @@ class _BoundedRoute(APIRoute):
         handle = super().get_route_handler()
 
         async def handle_read(request: Request) -> Response:
+            if int(request.headers.get("content-length", _LARGE_BODY + 1)) > _LARGE_BODY:
+                # FastAPI reads a body before it asks for a token: clients without one could have
+                # the service hold as many large bodies as it waits for.
+                require_any(request)
             # FastAPI would take the refusals of `BodyLimit` for a body that it cannot parse.
             await request.body()
             return await handle(request)

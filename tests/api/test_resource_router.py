@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import socket
 import time
 from pathlib import Path
 
@@ -49,3 +50,16 @@ def test_a_client_without_a_token_is_not_told_the_mistakes(
         for headers in ({}, reader)
     ]
     assert answers == [401, 403]
+
+
+@pytest.mark.parametrize("path", ["/api/v1/suite-runs", "/api/v1/session"])
+def test_no_large_body_is_read_of_a_client_without_a_token(
+    make_offline: MakeOffline, tmp_path: Path, path: str
+) -> None:
+    tokens = TokenFile(tmp_path / "tokens.json")
+    url = make_offline(tokens=tokens).client.base_url
+    for length in (b"Content-Length: 150000", b"Transfer-Encoding: chunked"):
+        with socket.create_connection((url.host, url.port), timeout=10.0) as connection:
+            head = f"POST {path} HTTP/1.1\r\nHost: localhost\r\n".encode()
+            connection.sendall(head + b"Content-Type: application/json\r\n" + length + b"\r\n\r\n")
+            assert connection.recv(65_536).startswith(b"HTTP/1.1 401 ")

@@ -10,7 +10,7 @@ from fastapi.security import APIKeyCookie, HTTPBearer
 
 from drivora_service.api.context import context_of
 from drivora_service.api.guards.api_tokens import Scope
-from drivora_service.api.guards.page_sessions import COOKIE, credential_of, token_of
+from drivora_service.api.guards.page_sessions import COOKIE, Credential, credential_of, token_of
 from drivora_service.api.problem_details import ApiError
 
 _bearer = HTTPBearer(
@@ -40,11 +40,16 @@ async def _declare_schemes(bearer: _Bearer, session: _Cookie) -> None:
 Documented = Annotated[None, Depends(_declare_schemes)]
 
 
-def _require(request: Request, scope: Scope) -> None:
+def require_any(request: Request) -> Credential | None:
+    """Returns what a request proves; ``None``: no token is needed.
+
+    Raises:
+        ApiError: A token is needed, and it has none (401).
+    """
     context = context_of(request)
     tokens = context.needed_tokens
     if tokens is None:
-        return
+        return None
     credential = credential_of(tokens, context.sessions, request.headers)
     if credential is None:
         raise ApiError(
@@ -52,6 +57,13 @@ def _require(request: Request, scope: Scope) -> None:
             "an API token is needed: Authorization: Bearer …",
             headers={"WWW-Authenticate": "Bearer"},
         )
+    return credential
+
+
+def _require(request: Request, scope: Scope) -> None:
+    credential = require_any(request)
+    if credential is None:
+        return
     if credential.is_session and request.method not in _SAFE_METHODS:
         _refuse_other_pages(request)
     token = credential.token
