@@ -160,6 +160,7 @@ class Settings(BaseSettings):
     campaign_memory_mb: int = Field(
         default=4096,
         ge=512,
+        le=1 << 30,
         description="Memory of a campaign's process with all that its tester starts, MiB, beyond "
         "which the campaign fails.",
     )

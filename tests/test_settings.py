@@ -36,6 +36,15 @@ def test_every_wrong_value_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "DRIVORA_MAX_BODY_MB" in str(wrong.value)
 
 
+def test_a_limit_of_memory_that_no_system_takes_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # `RLIMIT_DATA` counts bytes in 63 bits.
+    monkeypatch.setenv("DRIVORA_CAMPAIGN_MEMORY_MB", str(1 << 43))
+    with pytest.raises(ConfigurationError, match="DRIVORA_CAMPAIGN_MEMORY_MB"):
+        load_settings()
+
+
 @pytest.mark.parametrize(
     ("host", "local"),
     [

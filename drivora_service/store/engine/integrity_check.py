@@ -45,8 +45,9 @@ class IntegrityCheck:
 
     @property
     def unchecked(self) -> tuple[str, ...]:
-        """The tables that have not been checked yet; none before the first :meth:`run`."""
-        return tuple(self._rest or ())
+        """The tables that have not been checked yet."""
+        # All tables are listed in the first, which a run may not have finished reading.
+        return ("sqlite_master",) if self._rest is None else tuple(self._rest)
 
     def run(self, seconds: float = math.inf) -> bool:
         """Checks the tables that are left, for a limited time.
