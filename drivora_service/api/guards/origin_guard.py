@@ -26,18 +26,23 @@ _OWN_SITE = frozenset({"same-origin", "none"})
 _FORWARDED = frozenset(
     {
         "forwarded",
+        "forwarded-for",
         "via",
+        "cdn-loop",
         "client-ip",
         "true-client-ip",
+        "proxy-client-ip",
+        "wl-proxy-client-ip",
+        "x-azure-clientip",
         "x-client-ip",
         "x-cluster-client-ip",
+        "x-proxyuser-ip",
         "x-real-ip",
-        "x-original-host",
         "cf-connecting-ip",
         "fastly-client-ip",
     }
 )
-_FORWARDED_PREFIXES = ("x-forwarded", "x-envoy-")
+_FORWARDED_PREFIXES = ("x-forwarded", "x-original-", "x-envoy-")
 """Of headers that proxies add."""
 
 _MAKE_A_TOKEN = (
@@ -94,6 +99,14 @@ def _remote_refusal(scope: Scope, headers: Headers, host: str) -> tuple[HTTPStat
             "this service has no API tokens and answers to its own machine only; this request came "
             f"through a proxy (header {by[:60]!r}). " + _MAKE_A_TOKEN,
         )
+    if scope["http_version"] == "1.0":
+        # nginx that is given no more than `proxy_pass` asks like this, with the service's own
+        # address as the host and no header that shows the proxy.
+        return (
+            HTTPStatus.FORBIDDEN,
+            "this service has no API tokens and answers to its own machine only; this request came "
+            "by HTTP/1.0, as through nginx. Use HTTP/1.1 on this machine. " + _MAKE_A_TOKEN,
+        )
     named = read_host(host)
     if named is None or not named.is_local:
         return (
@@ -120,7 +133,8 @@ def _is_loopback(address: str) -> bool:
 
 
 def _is_of_a_proxy(name: str) -> bool:
-    lower = name.lower()
+    # Some programs take both for the same header.
+    lower = name.lower().replace("_", "-")
     return lower in _FORWARDED or lower.startswith(_FORWARDED_PREFIXES)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from pathlib import Path
 
 import httpx
@@ -29,6 +30,10 @@ FORWARDED = (
     {"True-Client-IP": "192.0.2.1"},
     {"CF-Connecting-IP": "192.0.2.1"},
     {"X-Envoy-External-Address": "192.0.2.1"},
+    {"X-Original-Forwarded-For": "192.0.2.1"},
+    {"X_Forwarded_For": "192.0.2.1"},
+    {"WL-Proxy-Client-IP": "192.0.2.1"},
+    {"CDN-Loop": "cloudflare"},
 )
 
 
@@ -57,6 +62,28 @@ def test_what_comes_through_a_proxy_needs_a_token(
     secret = tokens.create("me", Scope.READ)
     is_problem(client.get(JOBS, headers=headers), 401)
     assert client.get(JOBS, headers={**headers, **bearer(secret)}).status_code == 200
+
+
+def test_what_comes_as_from_nginx_without_settings_needs_a_token(
+    loopback: Offline, tokens: TokenFile
+) -> None:
+    # `proxy_pass http://127.0.0.1:PORT;` alone shows itself by the version only.
+    address = loopback.client.base_url
+
+    def ask(headers: str) -> bytes:
+        with socket.create_connection((address.host, address.port or 0), timeout=30) as connection:
+            connection.sendall(
+                f"GET {JOBS} HTTP/1.0\r\nHost: {address.netloc.decode()}\r\n{headers}\r\n".encode()
+            )
+            with connection.makefile("rb") as answer:
+                return answer.read()
+
+    refused = ask("Connection: close\r\n")
+    assert b" 403 " in refused.splitlines()[0]
+    assert b"HTTP/1.0" in refused
+    assert b"drivora tokens create" in refused
+    secret = tokens.create("me", Scope.READ)
+    assert b" 200 " in ask(f"Authorization: Bearer {secret}\r\n").splitlines()[0]
 
 
 @pytest.mark.parametrize("host", ["drivora.example", "192.0.2.7:8000", "localhost.evil.com"])
