@@ -15,7 +15,12 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
-from drivora_service.api.guards.secret_files import FileVersion, secret_file, write_secret_file
+from drivora_service.api.guards.secret_files import (
+    FileVersion,
+    read_secret_file,
+    secret_file,
+    write_secret_file,
+)
 from drivora_service.errors import ConfigurationError, CredentialsUnusable, UnknownName
 from drivora_service.given_names import describe_name_fault
 
@@ -180,7 +185,7 @@ def _read(path: Path, version: FileVersion | None) -> _Loaded:
     if version is None:
         return _Loaded(version=None, by_hash={})
     try:
-        tokens = _TOKENS.validate_json(path.read_bytes())
+        tokens = _TOKENS.validate_json(read_secret_file(path))
     except FileNotFoundError:
         return _Loaded(version=None, by_hash={})
     except OSError as error:

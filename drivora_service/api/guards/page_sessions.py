@@ -19,7 +19,12 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from starlette.datastructures import Headers
 
 from drivora_service.api.guards.api_tokens import StoredToken, TokenFile
-from drivora_service.api.guards.secret_files import FileVersion, secret_file, write_secret_file
+from drivora_service.api.guards.secret_files import (
+    FileVersion,
+    read_secret_file,
+    secret_file,
+    write_secret_file,
+)
 from drivora_service.errors import CredentialsUnusable, StoreError
 
 COOKIE = "drivora_session"
@@ -122,7 +127,7 @@ class SessionFile:
         if version == loaded.version:
             return loaded.by_hash
         try:
-            found = _SESSIONS.validate_json(self._path.read_bytes())
+            found = _SESSIONS.validate_json(read_secret_file(self._path))
         except FileNotFoundError:
             found = []
         except (OSError, ValidationError) as error:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,6 +16,10 @@ from typing import ClassVar
 from filelock import UnixFileLock
 
 from drivora_service.errors import StoreError
+
+
+_MOST_BYTES = 16 << 20
+"""Of a file: more than all sessions of a busy service, and no burden for its memory."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,11 +43,36 @@ class FileVersion:
         try:
             status = path.stat()
         except FileNotFoundError:
+            if path.is_symlink():
+                # Its place is not mounted, perhaps. A service must not take that for no tokens.
+                raise OSError(errno.ENOENT, "it is a link to a file that does not exist") from None
             return None
         return cls(status.st_mtime_ns, status.st_ino, status.st_size)
 
 
 FileVersion.UNKNOWN = FileVersion(-1, -1, -1)
+
+
+def read_secret_file(path: Path) -> bytes:
+    """Returns the content of a file, without waiting for a pipe or reading a device.
+
+    Raises:
+        OSError: It cannot be read, or is no file of a usual size.
+    """
+    # Without O_NONBLOCK, a pipe would keep the service waiting until another process writes to it.
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    try:
+        status = os.fstat(descriptor)
+        if stat.S_ISDIR(status.st_mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if not stat.S_ISREG(status.st_mode):
+            raise OSError(errno.EINVAL, "it is a pipe, a device or a socket")
+        if status.st_size > _MOST_BYTES:
+            raise OSError(errno.EFBIG, f"it has {status.st_size} bytes, more than {_MOST_BYTES}")
+        with os.fdopen(descriptor, "rb", closefd=False) as file:
+            return file.read()
+    finally:
+        os.close(descriptor)
 
 
 @contextmanager

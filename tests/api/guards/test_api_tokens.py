@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import os
 import stat
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -10,7 +12,7 @@ import pytest
 from drivora_service.api.documentation.recorded_examples import SCENARIO
 from drivora_service.api.guards.api_tokens import Scope, TokenFile
 from drivora_service.app import create_app
-from drivora_service.errors import ConfigurationError, UnknownName
+from drivora_service.errors import ConfigurationError, CredentialsUnusable, UnknownName
 from drivora_service.settings import load_settings
 from tests.api.conftest import MakeOffline
 from tests.api.test_problem_details import is_problem
@@ -46,6 +48,50 @@ def test_a_damaged_file_is_an_error_rather_than_an_open_door(tmp_path: Path) -> 
     path.write_text("{")
     with pytest.raises(ConfigurationError):
         TokenFile(path).find("anything")
+
+
+def _replace_by_pipe(path: Path) -> None:
+    os.mkfifo(path)
+
+
+def _replace_by_device(path: Path) -> None:
+    path.symlink_to("/dev/zero")
+
+
+def _replace_by_folder(path: Path) -> None:
+    path.mkdir()
+
+
+def _replace_by_link_to_nothing(path: Path) -> None:
+    path.symlink_to(path.parent / "not-mounted" / "tokens.json")
+
+
+def _replace_by_large_file(path: Path) -> None:
+    path.touch()
+    os.truncate(path, 1 << 32)
+
+
+@pytest.mark.parametrize(
+    ("replace", "expected"),
+    [
+        (_replace_by_pipe, "a pipe"),
+        (_replace_by_device, "a device"),
+        (_replace_by_folder, "directory"),
+        (_replace_by_link_to_nothing, "a link to a file that does not exist"),
+        (_replace_by_large_file, "4294967296 bytes"),
+    ],
+)
+def test_what_is_no_usual_file_closes_the_service_and_is_not_waited_for(
+    tmp_path: Path, replace: Callable[[Path], None], expected: str
+) -> None:
+    replace(tmp_path / "tokens.json")
+    tokens = TokenFile(tmp_path / "tokens.json", always_needed=False)
+    assert tokens.are_needed
+    assert expected in tokens.fault
+    with pytest.raises(CredentialsUnusable):
+        tokens.find("anything")
+    with pytest.raises(CredentialsUnusable):
+        tokens.create("me", Scope.READ)
 
 
 def test_a_damaged_file_makes_a_service_not_ready(tmp_path: Path) -> None:
