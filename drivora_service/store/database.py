@@ -15,7 +15,7 @@ from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError
 from sqlalchemy.orm import Session, sessionmaker
 
-from drivora_service.errors import StoreError, StoreUnavailable
+from drivora_service.errors import StoreDamaged, StoreError, StoreUnavailable
 from drivora_service.store.campaigns.campaign_repository import CampaignRepository
 from drivora_service.store.campaigns.campaign_rows import CampaignRowRepository
 from drivora_service.store.campaigns.campaign_runs import CampaignRunRepository
@@ -27,6 +27,7 @@ from drivora_service.store.changes.change_lists import ChangeRepository
 from drivora_service.store.changes.revisions import revise
 from drivora_service.store.engine.checkpoints import CHECKPOINT_S, Checkpoints
 from drivora_service.store.engine.damage_latch import DamageLatch
+from drivora_service.store.engine.file_watch import FileWatch
 from drivora_service.store.engine.foreign_databases import refuse_foreign_database
 from drivora_service.store.engine.postgresql import lock_writing, postgresql_engine, reading_options
 from drivora_service.store.engine.sqlite import sqlite_engine
@@ -194,6 +195,7 @@ class Database:
         self.damage = DamageLatch()
         self._checkpoints = Checkpoints(engine, every_s=checkpoint_s)
         self.file = _file_of(engine)
+        self._watch = None if self.file is None else FileWatch(self.file)
         self.changes = ChangeCounter(engine)
         self._is_postgresql = engine.dialect.name == "postgresql"
         self.locks = _work_locks(engine)
@@ -232,6 +234,7 @@ class Database:
             StoreError: The database cannot be used.
         """
         self.damage.refuse()
+        self._check_file()
         with (
             self._turn_to_write(),
             store_errors(self.file, self.damage),
@@ -254,6 +257,7 @@ class Database:
         """Commits a write that changes nothing; a storage without a fault allows it.
 
         Raises:
+            StoreDamaged: The database is damaged, or its files were moved or removed.
             StoreUnavailable: Nothing can be written now.
             StoreError: The database cannot be used.
         """
@@ -261,6 +265,19 @@ class Database:
             transaction.session.execute(
                 text("UPDATE alembic_version SET version_num = version_num")
             )
+            if self._watch is not None and (lost := self._watch.describe_lost_log()):
+                self.damage.note(lost)
+        self.damage.refuse()
+
+    def _check_file(self) -> None:
+        """Refuses to write if the file is no longer at its path; another one there is a damage."""
+        if self._watch is None:
+            return
+        try:
+            self._watch.check()
+        except StoreDamaged as error:
+            self.damage.note(str(error))
+            raise
 
     @contextmanager
     def _turn_to_write(self) -> Iterator[None]:

@@ -17,7 +17,6 @@ from filelock import UnixFileLock
 
 from drivora_service.errors import StoreError
 
-
 _MOST_BYTES = 16 << 20
 """Of a file: more than all sessions of a busy service, and no burden for its memory."""
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text
 
-from drivora_service.errors import StoreDamaged
+from drivora_service.errors import StoreDamaged, StoreUnavailable
 from drivora_service.store.database import Database, open_database
 from drivora_service.store.engine import integrity_check
 from drivora_service.store.engine.damage_latch import DamageLatch
@@ -166,3 +166,59 @@ def test_the_first_damage_counts() -> None:
     assert (latch.found, told) == ("one page", ["one page"])
     with pytest.raises(StoreDamaged, match="one page"):
         latch.refuse()
+
+
+def _count_runs(file: Path) -> int:
+    with contextlib.closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True)) as connection:
+        (count,) = connection.execute("SELECT count(*) FROM runs").fetchone()
+        return int(count)
+
+
+def test_nothing_is_stored_while_the_file_is_away(sqlite_database: Database) -> None:
+    database = sqlite_database
+    submit(database, 3)
+    file = database.file
+    assert file is not None
+    away = file.with_suffix(".away")
+    file.rename(away)
+    for write in (database.probe, lambda: submit(database, 1)):
+        with pytest.raises(StoreUnavailable, match="moved or removed while it is used"):
+            write()
+    assert not file.exists()
+    away.rename(file)
+    database.probe()
+    submit(database, 1)
+    assert _count_runs(file) == 4
+
+
+def test_another_file_in_its_place_is_a_damage_until_a_restart(sqlite_database: Database) -> None:
+    database = sqlite_database
+    submit(database, 3)
+    file = database.file
+    assert file is not None
+    database.checkpoint()
+    away = file.with_suffix(".away")
+    file.rename(away)
+    shutil.copy(away, file)
+    with pytest.raises(StoreDamaged, match="replaced by another file"):
+        submit(database, 1)
+    file.unlink()
+    away.rename(file)
+    with pytest.raises(StoreDamaged, match="replaced by another file"):
+        database.probe()
+    assert _count_runs(file) == 3
+
+
+def test_a_log_that_is_removed_while_it_is_used_is_a_damage(sqlite_database: Database) -> None:
+    database = sqlite_database
+    submit(database, 3)
+    file = database.file
+    assert file is not None
+    file.with_name(f"{file.name}-wal").unlink()
+    with pytest.raises(StoreDamaged, match="-wal was removed while it is used"):
+        database.probe()
+    with pytest.raises(StoreDamaged, match="-wal was removed"):
+        submit(database, 1)
+    # As the message says: closing still moves the changes into the file.
+    database.close()
+    assert _count_runs(file) == 3
