@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import resource
+import time
 from collections.abc import Callable, Iterable
 from http import HTTPStatus
 from typing import Any, ClassVar
 
 import h11
+from uvicorn.protocols.http.flow_control import FlowControl
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from drivora_service.api.guards.client_counts import ClientCounts, Reason
@@ -22,6 +24,11 @@ HEAD_SECONDS = 20.0
 STALL_SECONDS = 60.0
 """For which a client may take nothing of an answer."""
 MOST_CONNECTIONS = 8192
+_SLICE_S = 0.002
+"""Seconds for which what came of one connection is read before others get their turn."""
+_LEAST_SLICE, _MOST_SLICE = 1 << 10, 8 << 10
+"""Bytes that are read at once. Those of a large chunk are copied only; of chunks of one byte, each
+takes as long as a hundred kilobytes do."""
 _OWN_DESCRIPTORS = 512
 """Of the database, the workers and the files that answers are read from."""
 _MOST_DESCRIPTORS = 65_536
@@ -40,6 +47,33 @@ def raise_descriptor_limit() -> int:
         soft = wanted
     descriptors = _MOST_DESCRIPTORS if soft == resource.RLIM_INFINITY else soft
     return min(MOST_CONNECTIONS, max(descriptors // 4, descriptors - _OWN_DESCRIPTORS))
+
+
+class HeldFlow(FlowControl):
+    """Takes no more bytes of a connection while those that have come wait to be read.
+
+    The application asks for more whenever it waits for a body, and each time a quarter of a
+    megabyte would be added to what waits.
+    """
+
+    def __init__(self, transport: asyncio.Transport) -> None:
+        super().__init__(transport)
+        self._is_held = False
+
+    def hold(self) -> None:
+        """Takes nothing until the release."""
+        self._is_held = True
+        self.pause_reading()
+
+    def release(self) -> None:
+        """Takes bytes again."""
+        self._is_held = False
+        self.resume_reading()
+
+    def resume_reading(self) -> None:
+        """Takes bytes again, unless they are held back."""
+        if not self._is_held:
+            super().resume_reading()
 
 
 class BoundedConnection(H11Protocol):
@@ -79,6 +113,7 @@ class BoundedConnection(H11Protocol):
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override] # as the base class
         """Accepts a connection, or refuses it if there are too many."""
         super().connection_made(transport)
+        self.flow = self._flow = HeldFlow(transport)
         self._key = client_key(self.client)
         own = self._of_client.setdefault(self._key, {})
         own[self] = None
@@ -140,7 +175,7 @@ class BoundedConnection(H11Protocol):
         """Reads a part of a request; one that begins may have to wait for its turn."""
         if self._unread:
             self._unread += data
-            self.flow.pause_reading()
+            self._flow.hold()
         elif self.conn.their_state is not h11.IDLE or data.startswith(self.urgent):
             self._read(data)
         else:
@@ -153,7 +188,7 @@ class BoundedConnection(H11Protocol):
         data, self._unread = self._unread, b""
         if not data or self.transport.is_closing():
             return
-        self.flow.resume_reading()
+        self._flow.release()
         try:
             self._read(data)
         except BaseException:
@@ -166,13 +201,35 @@ class BoundedConnection(H11Protocol):
         super().shutdown()
 
     def _read(self, data: bytes) -> None:
-        super().data_received(data)
+        rest = self._read_for_a_moment(data)
+        if rest:
+            self._unread = rest
+            self._flow.hold()
+            self.loop.call_soon(self.turns.begin, self._read_what_has_come)
         if self.conn.their_state is h11.IDLE and not self.transport.is_closing():
             # A few bytes of the next head would end the waiting of the server for an idle client.
             if self.timeout_keep_alive_task is None and self._deadline is None:
                 self._await_head()
         else:
             self._stop_waiting()
+
+    def _read_for_a_moment(self, data: bytes) -> bytes:
+        """Reads data in small slices, for a limited time; returns what is left.
+
+        Else a client that sends chunks of one byte stops the event loop for seconds, as often as
+        it sends a quarter of a megabyte of them.
+        """
+        begun = last = time.perf_counter()
+        at, size = 0, _LEAST_SLICE
+        while at < len(data) and not self.transport.is_closing():
+            super().data_received(data[at : at + size])
+            at += size
+            now = time.perf_counter()
+            if now - begun > _SLICE_S:
+                return b"" if self.transport.is_closing() else data[at:]
+            size = _LEAST_SLICE if now - last > _SLICE_S / 4 else min(2 * size, _MOST_SLICE)
+            last = now
+        return b""
 
     def pause_writing(self) -> None:
         """Sets the deadline of a client that does not read its answer."""

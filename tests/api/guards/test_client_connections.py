@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import json
 import resource
@@ -18,7 +19,11 @@ import pytest
 import uvicorn
 
 from drivora_service.api.guards import body_limit, client_connections
-from drivora_service.api.guards.client_connections import BoundedConnection, raise_descriptor_limit
+from drivora_service.api.guards.client_connections import (
+    BoundedConnection,
+    HeldFlow,
+    raise_descriptor_limit,
+)
 from drivora_service.api.guards.client_waits import ClientWaits
 from tests.api.conftest import Offline
 
@@ -260,6 +265,79 @@ def test_many_heads_without_bodies_hold_up_no_one(
             with connected(running.address) as other:
                 other.sendall(request)
                 assert answer(other)[0] == (200 if request.startswith(b"GET") else 422)
+
+
+def test_bodies_in_chunks_of_one_byte_hold_up_no_one(
+    running: Running, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(BoundedConnection, "most", 2 * MANY)
+    chunks = b"1\r\n \r\n" * 40_000
+    ended = threading.Event()
+
+    def send() -> None:
+        with contextlib.suppress(OSError), connected(running.address) as client:
+            client.sendall(POST + b"Transfer-Encoding: chunked\r\n\r\n")
+            while not ended.is_set():
+                client.sendall(chunks)
+
+    senders = [threading.Thread(target=send) for _ in range(8)]
+    for sender in senders:
+        sender.start()
+    try:
+        time.sleep(0.5)
+        begun = time.monotonic()
+        for _ in range(5):
+            with connected(running.address) as other:
+                other.sendall(HEAD)
+                assert answer(other)[0] == 200
+        # Eight times forty thousand chunks take more than ten seconds.
+        assert time.monotonic() - begun < 5
+    finally:
+        ended.set()
+        running.server.should_exit = True
+        for sender in senders:
+            sender.join()
+
+
+def test_nothing_more_is_taken_while_what_has_come_waits_to_be_read() -> None:
+    taken: list[bool] = []
+
+    class Transport(asyncio.Transport):
+        def pause_reading(self) -> None:
+            taken.append(False)
+
+        def resume_reading(self) -> None:
+            taken.append(True)
+
+    flow = HeldFlow(Transport())
+    flow.hold()
+    # As the application does whenever it waits for a body.
+    flow.resume_reading()
+    assert taken == [False]
+    flow.release()
+    assert taken == [False, True]
+
+
+def test_a_body_in_small_chunks_arrives_as_it_was_sent(address: tuple[str, int]) -> None:
+    text = json.dumps({"nothing": "known", "padding": "x" * 20_000}).encode()
+    with connected(address) as client:
+        client.sendall(
+            POST
+            + b"Transfer-Encoding: chunked\r\n\r\n"
+            + b"".join(b"1\r\n%c\r\n" % byte for byte in text)
+            + b"0\r\n\r\n"
+            + HEAD
+        )
+        # Both answers may come at once.
+        got = b""
+        while got.count(b"HTTP/1.1 ") < 2:
+            more = client.recv(65536)
+            assert more, got
+            got += more
+        first, _, second = got.rpartition(b"HTTP/1.1 ")
+        assert first.startswith(b"HTTP/1.1 422 ")
+        assert b"nothing" in first
+        assert second.startswith(b"200 ")
 
 
 def test_a_client_with_too_many_connections_loses_its_own(
