@@ -286,12 +286,13 @@ def test_bodies_in_chunks_of_one_byte_hold_up_no_one(
     try:
         time.sleep(0.5)
         begun = time.monotonic()
-        for _ in range(5):
+        for _ in range(3):
             with connected(running.address) as other:
                 other.sendall(HEAD)
                 assert answer(other)[0] == 200
-        # Eight times forty thousand chunks take more than ten seconds.
-        assert time.monotonic() - begun < 5
+        # Otherwise the first request waits for eight times forty thousand chunks, and longer than
+        # its socket does.
+        assert time.monotonic() - begun < 20
     finally:
         ended.set()
         running.server.should_exit = True
