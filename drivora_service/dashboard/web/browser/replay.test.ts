@@ -49,7 +49,8 @@ it("a stretch is saved as a GIF while the page answers, and can be given up", as
   const cancel = page.getByRole("button", { name: "Cancel" });
   await cancel.click();
   await save.waitFor();
-  const coming = page.waitForEvent("download");
+  // A software renderer takes half a minute on a busy machine.
+  const coming = page.waitForEvent("download", { timeout: 100_000 });
   await save.click();
   await page.getByRole("progressbar", { name: "Saving the GIF" }).waitFor();
   const file = await (await coming).path();
@@ -66,7 +67,7 @@ it("a stretch is saved as a GIF while the page answers, and can be given up", as
   expect(await stepOf(page)).toBe(0);
   expect(complaints).toEqual([]);
   await context.close();
-});
+}, 120_000);
 
 /** Returns the metres of the scale bar of the map: fewer, the nearer. */
 async function scaleBar(page: Page): Promise<number> {
