@@ -231,7 +231,8 @@ def test_a_tester_that_raises_is_named_and_ends_the_campaign(
             raise raised
 
     tester = Quitter(space=small_space(), random=np.random.default_rng(5))
-    with pytest.raises(PluginError, match=r"the tester raised .* when it was given results: ") as caught:
+    expected = r"the tester raised .* when it was given results: "
+    with pytest.raises(PluginError, match=expected) as caught:
         run(MemoryJournal(), tester=tester)
     assert caught.value.cause == "tester_raised"
     assert "in tell" in caught.value.log
