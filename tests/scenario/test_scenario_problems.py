@@ -13,7 +13,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from drivora_service.errors import InvalidDocument, Problem
+from drivora_service.errors import FurtherProblems, InvalidDocument, Problem
 from drivora_service.networks.catalogue import NetworkCatalogue
 from drivora_service.scenario import model
 from drivora_service.scenario.canonical import canonical_json
@@ -22,6 +22,7 @@ from drivora_service.scenario.document_problems import structural_problems
 from drivora_service.scenario.documents import ScenarioDocument, parse_document
 from drivora_service.scenario.exporting import document_content, to_document
 from drivora_service.scenario.model import Scenario
+from drivora_service.scenario.plain_data import MAX_PROBLEMS
 from drivora_service.scenario.validation import (
     scenario_problems,
     validate_data,
@@ -75,10 +76,13 @@ def problems_of_document(scenario: Scenario, agents: Collection[str] | None) -> 
         if [problem.code for problem in caught.value.problems] == ["too_large"]:
             # Its parts are not read.
             return caught.value.problems
-        named = {problem.pointer for problem in caught.value.problems}
+        listed = caught.value.problems
         malformed = structural_problems(error, ScenarioDocument, content)
-        assert named >= {problem.pointer for problem in malformed}
-        return caught.value.problems
+        left_out = {one.pointer for one in malformed} - {one.pointer for one in listed}
+        # Of many problems, the first of the document are listed, with the number of the others.
+        is_full = len(listed) == MAX_PROBLEMS + 1 and isinstance(listed[-1], FurtherProblems)
+        assert not left_out or is_full
+        return listed
     return ()
 
 
