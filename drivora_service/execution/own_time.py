@@ -21,7 +21,7 @@ class OwnTime:
     """The own time of one process, from one sample to the next."""
 
     def __init__(self, *, now: float) -> None:
-        """Begins at ``now``, in seconds of a monotonic clock."""
+        """Starts to count at ``now``, in seconds of a monotonic clock."""
         self._last = now
         self._cpu_s: float | None = None
 

@@ -265,8 +265,11 @@ class Database:
             transaction.session.execute(
                 text("UPDATE alembic_version SET version_num = version_num")
             )
-            if self._watch is not None and (lost := self._watch.describe_lost_log()):
-                self.damage.note(lost)
+            # A file system without shared memory has no such log: SQLite then does without one.
+            if self._watch is not None and _has_log(transaction.session):
+                lost = self._watch.describe_lost_log()
+                if lost:
+                    self.damage.note(lost)
         self.damage.refuse()
 
     def _check_file(self) -> None:
@@ -316,6 +319,11 @@ class Database:
         self.changes.close()
         self.locks.close()
         self.engine.dispose()
+
+
+def _has_log(session: Session) -> bool:
+    """Returns whether a database of SQLite has a write-ahead log."""
+    return bool(session.scalar(text("PRAGMA journal_mode")) == "wal")
 
 
 def _work_locks(engine: Engine) -> WorkLocks:

@@ -49,7 +49,7 @@ def test_what_is_simulated_may_not_exceed_the_budget() -> None:
 def test_a_population_has_a_bound_whatever_the_budget() -> None:
     (found,) = problems_of_tester(AVFUZZER, {"population": MOST_CANDIDATES + 1}, 10**6)
     assert found.message.endswith("allowed: an integer from 2 to 10000 (whatever the budget)")
-    # A value beyond both bounds is told the one that it has to meet.
+    # Of two bounds, the message names the lower one.
     (found,) = problems_of_tester(AVFUZZER, {"population": 20_000_000}, 30)
     assert "allowed: an integer from 2 to 30 (the budget" in found.message
 

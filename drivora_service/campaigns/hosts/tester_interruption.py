@@ -38,7 +38,6 @@ class TesterInterruption:
     that sleeps, or works in native code, cannot be interrupted in a thread: it is abandoned, and
     ends with the process. Only native code that holds the interpreter lock stops the command as a
     whole, which then has to be killed.
-
     """
 
     __test__ = False

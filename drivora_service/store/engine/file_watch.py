@@ -37,8 +37,8 @@ class FileWatch:
             StoreDamaged: Another file is there.
         """
         found = _identity(self._file)
-        if self._first is None:
-            # A new database, which the first connection has made.
+        if self._first in (None, _UNKNOWN):
+            # A new database, which the first connection has made; or its storage did not answer.
             self._first = found
         if found == self._first or _UNKNOWN in (found, self._first):
             return

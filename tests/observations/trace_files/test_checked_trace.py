@@ -185,7 +185,7 @@ def test_what_is_no_file_is_said(
 
 @contextlib.contextmanager
 def as_another_user() -> Iterator[None]:
-    """Gives this process the rights of a user that owns nothing, if it is that of root."""
+    """Runs the rest of this process as a user without rights, if it runs as root."""
     if os.geteuid() == 0:
         os.seteuid(65534)
         try:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from sqlalchemy import text
+from sqlalchemy import event, text
 
 from drivora_service.errors import StoreDamaged, StoreUnavailable
 from drivora_service.store.database import Database, open_database
@@ -207,6 +207,21 @@ def test_another_file_in_its_place_is_a_damage_until_a_restart(sqlite_database: 
     with pytest.raises(StoreDamaged, match="replaced by another file"):
         database.probe()
     assert _count_runs(file) == 3
+
+
+def test_a_database_without_a_log_has_lost_none(sqlite_database: Database) -> None:
+    def do_without(connection: sqlite3.Connection, _record: object) -> None:
+        connection.execute("PRAGMA journal_mode = DELETE")
+
+    # As SQLite does by itself on a file system without shared memory.
+    event.listen(sqlite_database.engine, "connect", do_without)
+    sqlite_database.engine.dispose()
+    submit(sqlite_database, 1)
+    file = sqlite_database.file
+    assert file is not None
+    assert not file.with_name(f"{file.name}-wal").exists()
+    sqlite_database.probe()
+    submit(sqlite_database, 1)
 
 
 def test_a_log_that_is_removed_while_it_is_used_is_a_damage(sqlite_database: Database) -> None:
